@@ -1,0 +1,125 @@
+# hdrpipe. `make demo` and `make check` are all the set-up there is: they install what is missing, build, and run.
+#
+#   make [all]   builds $(BUILD)/hdr and $(BUILD)/libhdrpipe.a
+#   make demo    tone maps a picture of testdata to $(BUILD)/demo.png
+#   make check   builds and runs all tests; the last line counts them
+#   make lint    formatting, warnings of gcc and clang, man pages, shell scripts
+#   make install PREFIX=/usr/local DESTDIR=
+#
+# Variables: CC, BUILD (another directory builds out of tree), SAN=address,undefined, WERROR=1, NO_DEPS=1 (never installs),
+# CFLAGS and LDFLAGS (added to the project's own).
+
+PREFIX ?= /usr/local
+DESTDIR ?=
+BUILD ?= build
+CFLAGS ?= -O3 -g
+WERROR ?=
+SAN ?=
+NO_DEPS ?=
+
+STANDARD := -std=c11 -D_GNU_SOURCE
+# results must not depend on machine or compiler: no contraction to fused operations, ever
+EXACT := -ffp-contract=off -fno-math-errno -fno-trapping-math
+WARNINGS := -Wall -Wextra $(if $(WERROR),-Werror)
+SANITIZE := $(if $(SAN),-fsanitize=$(SAN) -fno-omit-frame-pointer -fno-sanitize-recover=all)
+ALL_CFLAGS = $(CFLAGS) $(STANDARD) $(EXACT) $(WARNINGS) $(SANITIZE) -pthread -Iinclude
+OPENEXR_CFLAGS = $(shell pkg-config --cflags OpenEXR 2>/dev/null)
+LIBS := -lOpenEXRCore -lpng -ldeflate -lisal -lz -lm
+PACKAGES := pkg-config libopenexr-dev libpng-dev libdeflate-dev libisal-dev zlib1g-dev
+CHECK_PACKAGES := libmpfr-dev mandoc pngcheck
+
+SOURCES := $(filter-out src/verb/skeleton.c,$(wildcard src/*/*.c))
+OBJECTS := $(SOURCES:%.c=$(BUILD)/%.o)
+COMMANDS := $(patsubst %.c,$(BUILD)/%.o,$(wildcard cmd/*.c))
+LIBRARY := $(BUILD)/libhdrpipe.a
+PROGRAM := $(BUILD)/hdr
+VERBS := $(shell sed -n 's/^HDR_VERB(\(.*\))/\1/p' src/verb/verbs.def)
+
+.PHONY: all deps check-deps demo check check-exhaustive lint lint-deps bench man install uninstall clean
+.DELETE_ON_ERROR:
+
+all: $(PROGRAM)
+
+# ---- What is needed ----
+
+# $(call install-missing,PACKAGES): nothing is installed, and no list fetched, where all are there.
+define install-missing
+@missing=; for p in $(1); do \
+    dpkg-query -W -f '$${db:Status-Status}\n' "$$p" 2>/dev/null | grep -qx installed || missing="$$missing $$p"; done; \
+if [ -n "$$missing" ] && [ -z "$(NO_DEPS)" ]; then \
+    as_root=; [ "$$(id -u)" = 0 ] || as_root=sudo; \
+    echo "installing:$$missing"; \
+    $$as_root apt-get update -qq && \
+    $$as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $$missing >/dev/null; fi
+endef
+
+deps:
+	$(call install-missing,$(PACKAGES))
+
+check-deps: deps
+	$(call install-missing,$(CHECK_PACKAGES))
+
+# ---- Building ----
+
+# The flags are a prerequisite: other flags in the same directory build anew.
+$(BUILD)/flags: FORCE
+	@mkdir -p $(BUILD); echo '$(CC) $(ALL_CFLAGS) $(LDFLAGS)' | cmp -s - $@ || echo '$(CC) $(ALL_CFLAGS) $(LDFLAGS)' >$@
+FORCE:
+
+$(BUILD)/src/%.o: src/%.c $(BUILD)/flags
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) $(OPENEXR_CFLAGS) -Isrc -MMD -MP -c $< -o $@
+
+# the commands see the public header alone
+$(BUILD)/cmd/%.o: cmd/%.c $(BUILD)/flags
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) -MMD -MP -c $< -o $@
+
+$(LIBRARY): $(OBJECTS)
+	rm -f $@
+	$(AR) rcs $@ $^
+
+$(PROGRAM): $(COMMANDS) $(LIBRARY)
+	$(CC) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread -o $@ $^ $(LIBS)
+
+-include $(OBJECTS:.o=.d) $(COMMANDS:.o=.d)
+
+# ---- Trying ----
+
+demo: deps
+	$(MAKE) all
+	$(PROGRAM) expose --auto then log then png -o $(BUILD)/demo.png testdata/interior.exr
+	@echo "wrote $(BUILD)/demo.png"
+
+include tests/tests.mk
+
+# ---- Manual: OPTIONS, EXAMPLES and the rest of a verb's page come from its table ----
+
+man: $(PROGRAM)
+	for v in $(VERBS); do $(PROGRAM) help --man $$v >man/hdr-$$v.1 || exit 1; done
+	$(PROGRAM) help --man >man/hdr.1
+
+# ---- Installing ----
+
+install: all
+	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/include
+	install -d $(DESTDIR)$(PREFIX)/share/man/man1 $(DESTDIR)$(PREFIX)/share/man/man5 $(DESTDIR)$(PREFIX)/share/man/man7
+	install $(PROGRAM) $(DESTDIR)$(PREFIX)/bin/hdr
+	for v in $(VERBS); do ln -sf hdr $(DESTDIR)$(PREFIX)/bin/hdr-$$v || exit 1; done
+	install -m 644 $(LIBRARY) $(DESTDIR)$(PREFIX)/lib/
+	install -m 644 include/hdrpipe.h $(DESTDIR)$(PREFIX)/include/
+	install -m 644 man/*.1 $(DESTDIR)$(PREFIX)/share/man/man1/
+	install -m 644 man/*.5 $(DESTDIR)$(PREFIX)/share/man/man5/
+	install -m 644 man/*.7 $(DESTDIR)$(PREFIX)/share/man/man7/
+	printf 'prefix=%s\nName: hdrpipe\nDescription: HDR renders to display pictures\nVersion: %s\nRequires: libpng OpenEXR\nLibs: -L$${prefix}/lib -lhdrpipe -lOpenEXRCore -lpng -ldeflate -lisal -lz -lm -pthread\nCflags: -I$${prefix}/include\n' \
+	    '$(PREFIX)' "$$(sed -n 's/.*HDRPIPE_VERSION "\(.*\)"/\1/p' include/hdrpipe.h)" >$(DESTDIR)$(PREFIX)/lib/pkgconfig/hdrpipe.pc
+
+uninstall:
+	rm -f $(DESTDIR)$(PREFIX)/bin/hdr $(VERBS:%=$(DESTDIR)$(PREFIX)/bin/hdr-%)
+	rm -f $(DESTDIR)$(PREFIX)/lib/libhdrpipe.a $(DESTDIR)$(PREFIX)/lib/pkgconfig/hdrpipe.pc $(DESTDIR)$(PREFIX)/include/hdrpipe.h
+	rm -f $(patsubst man/%,$(DESTDIR)$(PREFIX)/share/man/man1/%,$(wildcard man/*.1))
+	rm -f $(patsubst man/%,$(DESTDIR)$(PREFIX)/share/man/man5/%,$(wildcard man/*.5))
+	rm -f $(patsubst man/%,$(DESTDIR)$(PREFIX)/share/man/man7/%,$(wildcard man/*.7))
+
+clean:
+	rm -rf $(BUILD)

@@ -1,0 +1,45 @@
+/* What the files of the command line share. Only hdr.c ends the program. */
+#ifndef HDR_CMD_H
+#define HDR_CMD_H
+
+#include "hdrpipe.h"
+
+#include <stdio.h>
+
+/* Fills the error with words that make no command; HDR_USAGE. */
+hdr_status cmd_refuse(hdr_error *error, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Prints an error on standard error, as "hdr: MESSAGE". */
+void cmd_report(const hdr_error *error);
+
+/* What a run has to say, to standard error: notes unless -q, the plan and details as the library sends them. */
+hdr_listener cmd_listener(const hdr_chain *chain);
+
+/* help.c: words after `hdr help`. */
+hdr_status cmd_help(int count, const char *const words[], hdr_error *error);
+void cmd_print_usage(FILE *to);
+void cmd_print_version(void);
+void cmd_print_overview(FILE *to);
+void cmd_print_verb_help(FILE *to, const hdr_verb_about *verb);
+
+/* info.c: what a picture is. */
+hdr_status cmd_info(hdr_chain *chain, hdr_error *error);
+void cmd_print_picture(const hdr_picture *picture);
+void cmd_print_picture_json(const hdr_picture *picture); /* members of an object, without the braces around them */
+
+/* info.c: one file after another, standard input when there is none. Faults of single files are reported, and the rest
+ * goes on: HDR_DIFFERENT when some of several failed. */
+typedef hdr_status (*cmd_file_job)(hdr_chain *chain, hdr_input *input, const char *name, hdr_error *error);
+hdr_status cmd_each_file(hdr_chain *chain, cmd_file_job job, hdr_error *error);
+
+/* info.c: JSON values, to standard output. */
+void cmd_print_json_text(const char *text);
+void cmd_print_json_number(double number); /* the shortest decimal that reads back as the same double */
+
+/* What a colour plane is called: "R", "G", "B", or "Y" for the only one; plane 3 is "A". */
+const char *cmd_plane_name(const hdr_picture *picture, int plane);
+
+/* stats.c */
+hdr_status cmd_stats(hdr_chain *chain, hdr_error *error);
+
+#endif

@@ -1,0 +1,220 @@
+/* hdr info: what a picture file holds, from its header alone. And what info and stats have in common: going through
+ * files, and printing pictures and JSON. */
+#include "cmd.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Several files --------------------------------------------------------------------------------------------- */
+
+static hdr_status do_file(hdr_chain *chain, cmd_file_job job, const char *file, hdr_error *error) {
+    hdr_input *input = hdr_input_open(file, error);
+    hdr_status status = input ? job(chain, input, file ? file : "-", error) : error->status;
+    hdr_input_free(input);
+    return status;
+}
+
+hdr_status cmd_each_file(hdr_chain *chain, cmd_file_job job, hdr_error *error) {
+    const char *const *files = hdr_chain_files(chain);
+    if (!files[0] || !files[1]) return do_file(chain, job, files[0], error);
+    hdr_status status = HDR_OK;
+    for (int i = 0; files[i]; i++) {
+        hdr_error fault = {0};
+        if (do_file(chain, job, files[i], &fault) == HDR_OK) continue;
+        cmd_report(&fault);
+        status = HDR_DIFFERENT;
+    }
+    return status;
+}
+
+/* ---- JSON ------------------------------------------------------------------------------------------------------ */
+
+/* The length of the UTF-8 sequence at text, or 0 when there is no valid one. */
+static size_t sequence_length(const unsigned char *text) {
+    static const unsigned least[] = {0, 0, 0x80, 0x800, 0x10000};
+    size_t length = text[0] < 0x80 ? 1 : text[0] < 0xc0 ? 0 : text[0] < 0xe0 ? 2 : text[0] < 0xf0 ? 3 : 4;
+    if (length < 2) return length;
+    unsigned code = text[0] & (0x7fu >> length);
+    for (size_t i = 1; i < length; i++) {
+        if ((text[i] & 0xc0) != 0x80) return 0;
+        code = code << 6 | (text[i] & 0x3fu);
+    }
+    bool surrogate = code >= 0xd800 && code < 0xe000;
+    return code < least[length] || code > 0x10ffff || surrogate || text[0] >= 0xf8 ? 0 : length;
+}
+
+/* A file's name may hold any byte. One that is no UTF-8 is shown as the character of the same number. */
+void cmd_print_json_text(const char *text) {
+    putchar('"');
+    for (const unsigned char *c = (const unsigned char *)text; *c;) {
+        size_t length = sequence_length(c);
+        if (*c == '"' || *c == '\\')
+            printf("\\%c", *c);
+        else if (length == 0 || *c < 0x20 || *c == 0x7f)
+            printf("\\u%04X", *c);
+        else
+            fwrite(c, 1, length, stdout);
+        c += length ? length : 1;
+    }
+    putchar('"');
+}
+
+void cmd_print_json_number(double number) {
+    char text[40];
+    if (!isfinite(number)) {
+        printf("null");
+        return;
+    }
+    for (int digits = 15; digits <= 17; digits++) {
+        snprintf(text, sizeof text, "%.*g", digits, number);
+        if (strtod(text, NULL) == number) break;
+    }
+    printf("%s", text);
+}
+
+static void print_json_pair(const double pair[2]) {
+    putchar('[');
+    cmd_print_json_number(pair[0]);
+    printf(", ");
+    cmd_print_json_number(pair[1]);
+    putchar(']');
+}
+
+static void print_json_member(const char *key, const char *text) {
+    printf(", \"%s\": ", key);
+    cmd_print_json_text(text);
+}
+
+static void print_json_window(const char *key, const hdr_window *window) {
+    printf(", \"%s\": [%d, %d, %d, %d]", key, window->min_x, window->min_y, window->max_x, window->max_y);
+}
+
+/* ---- Pictures -------------------------------------------------------------------------------------------------- */
+
+const char *cmd_plane_name(const hdr_picture *picture, int plane) {
+    static const char *const names[] = {"R", "G", "B", "A"};
+    return picture->planes == 1 && plane == 0 ? "Y" : names[plane];
+}
+
+/* Whether the picture has that plane; a colour plane that the file lacks is one of zeros. */
+static bool has_plane(const hdr_picture *picture, int plane) {
+    return plane == 3 ? picture->has_alpha : plane < picture->planes;
+}
+
+static const char *type_name(hdr_type type) {
+    return type == HDR_HALF ? "half" : "float";
+}
+
+static long long width_of(const hdr_window *window) {
+    return window->max_x < window->min_x ? 0 : (long long)window->max_x - window->min_x + 1;
+}
+
+static long long height_of(const hdr_window *window) {
+    return window->max_y < window->min_y ? 0 : (long long)window->max_y - window->min_y + 1;
+}
+
+static void print_window(const char *label, const hdr_window *window) {
+    printf("  %-18s %lld x %lld at %d,%d\n", label, width_of(window), height_of(window), window->min_x, window->min_y);
+}
+
+static void print_channels(const hdr_picture *picture) {
+    const char *between = "";
+    printf("  %-18s ", "channels");
+    for (int plane = 0; plane < 4; plane++) {
+        const hdr_channel *channel = &picture->channels[plane];
+        if (!has_plane(picture, plane)) continue;
+        if (picture->present[plane])
+            printf("%s%s %s", between, channel->name, type_name(channel->type));
+        else
+            printf("%s%s missing", between, cmd_plane_name(picture, plane));
+        between = ", ";
+    }
+    putchar('\n');
+}
+
+static void print_chromaticities(const hdr_picture *picture) {
+    const hdr_chromaticities *c = &picture->chromaticities;
+    printf("  %-18s red %.5g,%.5g  green %.5g,%.5g  blue %.5g,%.5g  white %.5g,%.5g%s\n", "chromaticities", c->red[0],
+           c->red[1], c->green[0], c->green[1], c->blue[0], c->blue[1], c->white[0], c->white[1],
+           picture->has_chromaticities ? "" : "  (assumed)");
+    if (picture->has_neutral) printf("  %-18s %.5g,%.5g\n", "neutral", picture->neutral[0], picture->neutral[1]);
+}
+
+void cmd_print_picture(const hdr_picture *picture) {
+    printf("  %-18s %s, %s, %s\n", "format", picture->format, picture->storage, picture->compression);
+    print_window("data window", &picture->data);
+    print_window("display window", &picture->display);
+    print_channels(picture);
+    print_chromaticities(picture);
+    if (picture->pixel_aspect != 1) printf("  %-18s %.9g\n", "pixel aspect", (double)picture->pixel_aspect);
+    printf("  %-18s %s\n", "state", picture->state);
+}
+
+static void print_json_channels(const hdr_picture *picture) {
+    const char *between = "";
+    printf(", \"channels\": [");
+    for (int plane = 0; plane < 4; plane++) {
+        if (!has_plane(picture, plane) || !picture->present[plane]) continue;
+        printf("%s{\"name\": ", between);
+        cmd_print_json_text(picture->channels[plane].name);
+        printf(", \"type\": \"%s\"}", type_name(picture->channels[plane].type));
+        between = ", ";
+    }
+    putchar(']');
+}
+
+static void print_json_chromaticities(const hdr_picture *picture) {
+    const hdr_chromaticities *c = &picture->chromaticities;
+    printf(", \"chromaticities\": {\"red\": ");
+    print_json_pair(c->red);
+    printf(", \"green\": ");
+    print_json_pair(c->green);
+    printf(", \"blue\": ");
+    print_json_pair(c->blue);
+    printf(", \"white\": ");
+    print_json_pair(c->white);
+    printf(", \"assumed\": %s}, \"neutral\": ", picture->has_chromaticities ? "false" : "true");
+    if (picture->has_neutral)
+        print_json_pair(picture->neutral);
+    else
+        printf("null");
+}
+
+void cmd_print_picture_json(const hdr_picture *picture) {
+    printf("\"width\": %lld, \"height\": %lld", width_of(&picture->data), height_of(&picture->data));
+    print_json_window("data_window", &picture->data);
+    print_json_window("display_window", &picture->display);
+    print_json_member("format", picture->format);
+    print_json_member("storage", picture->storage);
+    print_json_member("compression", picture->compression);
+    print_json_channels(picture);
+    printf(", \"alpha\": %s", picture->has_alpha ? "true" : "false");
+    print_json_chromaticities(picture);
+    printf(", \"pixel_aspect\": ");
+    cmd_print_json_number((double)picture->pixel_aspect);
+    print_json_member("state", picture->state);
+}
+
+/* ---- hdr info -------------------------------------------------------------------------------------------------- */
+
+static hdr_status print_info(hdr_chain *chain, hdr_input *input, const char *name, hdr_error *error) {
+    hdr_picture picture;
+    hdr_status status = hdr_input_picture(input, &picture, error);
+    if (status != HDR_OK) return status;
+    if (!hdr_chain_settings(chain)->json) {
+        printf("%s\n", name);
+        cmd_print_picture(&picture);
+        return HDR_OK;
+    }
+    printf("{\"file\": ");
+    cmd_print_json_text(name);
+    printf(", ");
+    cmd_print_picture_json(&picture);
+    printf("}\n");
+    return HDR_OK;
+}
+
+hdr_status cmd_info(hdr_chain *chain, hdr_error *error) {
+    return cmd_each_file(chain, print_info, error);
+}

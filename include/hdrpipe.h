@@ -1,0 +1,278 @@
+/* hdrpipe: float renders in, display pictures out, as a chain of verbs.
+ *
+ * This header is the library's manual. A picture in flight is a source of bytes and a list of things still to be done to it (a
+ * chain of verbs). A chain is read from words as they stand on a command line, or added clause by clause; running it turns the
+ * list into the fewest sweeps over the source and writes the result to an output.
+ *
+ *     hdr_error error = {0};
+ *     hdr_chain *chain = hdr_chain_new(&error);
+ *     hdr_chain_add(chain, (const char *const[]){"log", "--k", "2"}, 3, &error);
+ *     hdr_chain_add(chain, (const char *const[]){"png"}, 1, &error);
+ *     hdr_input *input = hdr_input_open("render.exr", &error);
+ *     hdr_output *output = hdr_output_open("render.png", &error);
+ *     hdr_status status = error.status ? error.status : hdr_chain_run(chain, input, output, NULL, &error);
+ *     ...
+ *     hdr_output_free(output); hdr_input_free(input); hdr_chain_free(chain);
+ *
+ * Conventions. Every function that can fail returns an hdr_status, or NULL, and fills the hdr_error it was given (which may be
+ * NULL); a record that is already filled is left alone, so a series of calls may share one and be checked once. The library
+ * never prints, never exits and holds no global state but the choice of processor kernels. Strings are UTF-8 and NUL-ended.
+ * All free functions accept NULL. Objects may be used by one thread at a time; different objects by different threads. */
+#ifndef HDRPIPE_H
+#define HDRPIPE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define HDRPIPE_VERSION "0.1.0"
+
+/* ---- Status and errors ---------------------------------------------------------------------------------------------- */
+
+/* The values are the exit statuses of the commands (after sysexits.h). */
+typedef enum hdr_status {
+    HDR_OK = 0,
+    HDR_DIFFERENT = 1,    /* a comparison found a difference over its threshold, or some file of several failed */
+    HDR_USAGE = 64,       /* words that make no command: unknown verb or option, value out of range */
+    HDR_BAD_DATA = 65,    /* the picture cannot be read, or cannot be used so */
+    HDR_NO_INPUT = 66,    /* no such file, or it cannot be opened */
+    HDR_INTERNAL = 70,    /* out of memory, or a fault of hdrpipe itself */
+    HDR_CANT_CREATE = 73, /* the output cannot be created */
+    HDR_IO = 74           /* reading or writing failed, e.g. the disk is full */
+} hdr_status;
+
+/* What went wrong: in which file and clause, where, and what to do about it. Zero-initialise before use. */
+typedef struct hdr_error {
+    hdr_status status;
+    char message[1000]; /* one sentence, or a sentence and an option's help line; no newline at the end */
+} hdr_error;
+
+/* ---- Options -------------------------------------------------------------------------------------------------------- */
+
+typedef enum hdr_option_type {
+    HDR_OPTION_FLAG,    /* takes no value */
+    HDR_OPTION_NUMBER,  /* a decimal number in [min,max] (or ]min,max] when above_min), or one of words */
+    HDR_OPTION_INTEGER, /* the same, a whole number */
+    HDR_OPTION_DECIMAL, /* a decimal in [min,max] that is used exactly as it was typed (percentiles) */
+    HDR_OPTION_CHOICE,  /* one of words */
+    HDR_OPTION_SIZE,    /* bytes; K, M, G and T multiply by powers of 1024; or one of words */
+    HDR_OPTION_TEXT     /* any text, e.g. a file's name */
+} hdr_option_type;
+
+/* One option. Parsing, help, manual, completion and the pipe's head are all made from tables of these, each ended by an entry
+ * whose name is NULL. */
+typedef struct hdr_option {
+    const char *name; /* --name */
+    char letter;      /* -l, or 0 */
+    hdr_option_type type;
+    size_t offset;             /* where the value is kept in the owner's parameters; of no use to others */
+    const char *metavar;       /* what help calls the value, with its unit: "STOPS", "PERCENT"; NULL for a flag */
+    double min, max;           /* range of numbers; both 0: any finite number */
+    bool above_min;            /* min itself is excluded */
+    const char *const *words;  /* NULL-ended list of words, or NULL */
+    const char *default_value; /* as it would be typed; NULL: off, or none */
+    const char *help;          /* one line, no full stop */
+    bool travels;              /* common options only: it changes the picture, so it goes along in a pipe's head */
+} hdr_option;
+
+/* The options that every verb accepts, once in a chain. */
+const hdr_option *hdr_common_options(void);
+
+/* Writes the one line that --help shows for an option into line (at most size bytes, always NUL-ended):
+ * "  -g, --exponent NUMBER   help (range; default 2.2)". */
+void hdr_option_describe(const hdr_option *option, char *line, size_t size);
+
+/* ---- Verbs ---------------------------------------------------------------------------------------------------------- */
+
+typedef enum hdr_verb_kind {
+    HDR_FILTER, /* picture in, picture out */
+    HDR_FORMAT, /* ends a chain: writes a file format */
+    HDR_PROGRAM /* ends a chain: reports about the picture (info, stats) */
+} hdr_verb_kind;
+
+/* What there is to know about a verb from outside. */
+typedef struct hdr_verb_about {
+    const char *name;            /* "gamma" */
+    const char *summary;         /* the man page's NAME line: no capital, no full stop */
+    const char *details;         /* DESCRIPTION: plain sentences; paragraphs separated by an empty line */
+    const char *const *examples; /* NULL-ended shell command lines: in them, IN.exr is a picture, OUT.png etc. results */
+    const hdr_option *options;   /* its own options */
+    hdr_verb_kind kind;
+} hdr_verb_about;
+
+/* The verbs, in the order of the manual: index 0, 1, ... until NULL. */
+const hdr_verb_about *hdr_verb_at(int index);
+const hdr_verb_about *hdr_verb_named(const char *name); /* NULL: there is none */
+
+/* ---- Pictures ------------------------------------------------------------------------------------------------------- */
+
+/* A rectangle of pixels, corners included, in OpenEXR's coordinates: x to the right, y downwards. Empty if max < min. */
+typedef struct hdr_window {
+    int32_t min_x, min_y, max_x, max_y;
+} hdr_window;
+
+typedef enum hdr_type { HDR_HALF, HDR_FLOAT } hdr_type;
+
+/* CIE 1931 x,y of the primaries and of white. */
+typedef struct hdr_chromaticities {
+    double red[2], green[2], blue[2], white[2];
+} hdr_chromaticities;
+
+#define HDR_CHANNEL_NAME 256
+
+typedef struct hdr_channel {
+    char name[HDR_CHANNEL_NAME];
+    hdr_type type;
+} hdr_channel;
+
+/* What a picture is, before any pixel is looked at. */
+typedef struct hdr_picture {
+    hdr_window data;    /* where there are pixels */
+    hdr_window display; /* the frame */
+    int planes;         /* colour planes: 1 (luminance only) or 3 (R, G, B) */
+    bool has_alpha;
+    hdr_channel channels[4];           /* those that are read: R G B or Y, then A where there is one; [3] is A's place */
+    bool present[4];                   /* false: the file has no such channel; R, G or B read as 0 then */
+    bool has_chromaticities;           /* the file says which primaries; otherwise Rec.709 is assumed */
+    hdr_chromaticities chromaticities; /* filled in either case */
+    bool has_neutral;                  /* adoptedNeutral */
+    double neutral[2];
+    float pixel_aspect;
+    char state[64];       /* "linear", or what the pixels are encoded with, as the file tells: "srgb", "gamma 2.2" */
+    char format[16];      /* "exr", "planes" */
+    char storage[16];     /* "scan-line", "tiled" */
+    char compression[16]; /* "none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a" */
+} hdr_picture;
+
+/* ---- Input ---------------------------------------------------------------------------------------------------------- */
+
+/* Bytes of a picture file, with or without a pipe's head in front. */
+typedef struct hdr_input hdr_input;
+
+/* Opens a file, or standard input for "-" or NULL (HDR_USAGE when that is a terminal). A pipe is read into memory while it is
+ * being decoded. HDR_NO_INPUT: it cannot be opened. */
+hdr_input *hdr_input_open(const char *path, hdr_error *err);
+
+/* The same from memory, which must stay as it is until the input is freed. name is used in messages. */
+hdr_input *hdr_input_memory(const void *bytes, size_t size, const char *name, hdr_error *err);
+
+/* Pixels in memory instead of a file: width x height, planes = 1 or 3 colour planes (plus alpha where not NULL), linear
+ * float32, Rec.709 primaries, alpha associated; row after row, each plane separate; they must stay as they are until the input
+ * is freed. */
+hdr_input *hdr_input_planes(int width, int height, int planes, const float *const plane[3], const float *alpha,
+                            hdr_error *err);
+void hdr_input_free(hdr_input *input);
+
+/* ---- Output --------------------------------------------------------------------------------------------------------- */
+
+/* Where the result goes. A file appears under its name only when it is whole: until hdr_chain_run has succeeded it is a temporary
+ * file beside it, which is removed on any fault. */
+typedef struct hdr_output hdr_output;
+
+/* A file by name; a symbolic link is followed, a device or FIFO is written to directly. HDR_CANT_CREATE: it cannot be. */
+hdr_output *hdr_output_open(const char *path, hdr_error *err);
+
+/* An open descriptor, e.g. standard output, which stays open. Nothing is written until the result is whole.
+ * HDR_USAGE when it is a terminal. name is used in messages. */
+hdr_output *hdr_output_descriptor(int descriptor, const char *name, hdr_error *err);
+
+/* Memory: after hdr_chain_run the bytes are had from hdr_output_bytes; they belong to the output. */
+hdr_output *hdr_output_memory(hdr_error *err);
+const void *hdr_output_bytes(const hdr_output *output, size_t *size);
+void hdr_output_free(hdr_output *output);
+
+/* Removes the temporary files of all outputs of this process. May be called in a signal handler, and is for nothing else: the
+ * outputs are of no use afterwards, the program has to end. */
+void hdr_output_remove_temporary(void);
+
+/* ---- Chains --------------------------------------------------------------------------------------------------------- */
+
+typedef struct hdr_chain hdr_chain;
+
+/* An empty chain with default settings. */
+hdr_chain *hdr_chain_new(hdr_error *err);
+void hdr_chain_free(hdr_chain *chain);
+
+/* Adds one clause: words[0] is the verb, the others are its options and common options, as on a command line. */
+hdr_status hdr_chain_add(hdr_chain *chain, const char *const words[], int count, hdr_error *err);
+
+/* Adds the clauses of a whole command line: VERB [OPTION...] [then VERB [OPTION...]]... [FILE...]. ":" stands for "then" too; "--"
+ * makes operands of all that follows. */
+hdr_status hdr_chain_parse(hdr_chain *chain, int count, const char *const words[], hdr_error *err);
+
+/* The operands that hdr_chain_parse met: NULL-ended; they belong to the caller's words. */
+const char *const *hdr_chain_files(const hdr_chain *chain);
+
+/* The common options as they were given, or their defaults. The strings belong to the chain. */
+typedef struct hdr_settings {
+    int threads;        /* -j: 1 ... 1024; default HDR_THREADS, else the cores that this process may use */
+    const char *output; /* -o, or NULL */
+    bool quiet, verbose, explain, json, help, version;
+    bool reference;  /* evaluate everything in double, step by step: slow, the oracle */
+    bool no_skip;    /* do what could be skipped */
+    bool strict;     /* a repaired pixel is an error */
+    uint64_t memory; /* bytes the run may hold pixels in; a bigger picture is decoded again instead of kept */
+} hdr_settings;
+const hdr_settings *hdr_chain_settings(const hdr_chain *chain);
+
+/* The last clause's verb, NULL for an empty chain. */
+const hdr_verb_about *hdr_chain_last(const hdr_chain *chain);
+
+/* Text that a run has to say, line by line. */
+typedef enum hdr_message {
+    HDR_NOTE,    /* something the user should know: pixels were repaired; a default was chosen that may surprise */
+    HDR_EXPLAIN, /* --explain: the plan */
+    HDR_DETAIL   /* -v: sizes and times */
+} hdr_message;
+typedef struct hdr_listener {
+    void (*say)(void *context, hdr_message kind, const char *line);
+    void *context;
+} hdr_listener;
+
+/* Runs the chain on the input and writes the result to the output. The format is that of the chain's last verb; where that is no
+ * format, by the ending of the output's name (.png .exr .pfm; another ending: HDR_USAGE), else EXR. If the input begins with a
+ * pipe's head, its clauses come first. A listener of NULL hears nothing. The chain is not used up. */
+hdr_status hdr_chain_run(hdr_chain *chain, hdr_input *input, hdr_output *output, const hdr_listener *listener,
+                         hdr_error *err);
+
+/* Puts the chain in front of the input's bytes, as text, and copies both to an open descriptor: no pixel is computed. For a
+ * filter that writes to a pipe. The text's form is in hdrpipe(5). HDR_USAGE: the chain ends in a format or program. */
+hdr_status hdr_chain_defer(hdr_chain *chain, hdr_input *input, int descriptor, hdr_error *err);
+
+/* ---- Facts ---------------------------------------------------------------------------------------------------------- */
+
+#define HDR_PERCENTILES 9
+
+/* What the scene is like after all clauses of the chain that are filters, over the data window. Y is luminance; a lit pixel is one
+ * with Y > 0. Counts of repaired values are of the file's components, alpha included; all else is after repair. */
+typedef struct hdr_stats {
+    hdr_picture picture;
+    uint64_t pixels, lit;
+    uint64_t nan, positive_infinity, negative_infinity; /* components repaired */
+    uint64_t negative;                                  /* colour components below 0 */
+    uint64_t unlit_colour;                              /* pixels that are not lit though some component is positive */
+    double min[4], max[4];             /* per channel: R G B (or Y in [0]) and alpha; 0 where there is no such channel */
+    double min_luminance, max_luminance;         /* over all pixels */
+    double min_lit;                              /* smallest Y > 0; 0 when nothing is lit */
+    double log_average;                          /* exp(mean of ln Y over lit pixels); 0 when nothing is lit */
+    double percentile[HDR_PERCENTILES];          /* nearest rank of Y rounded to float32, over lit pixels; 0: nothing lit */
+    double percentile_percent[HDR_PERCENTILES];  /* which: 0.1 1 5 25 50 75 95 99 99.9 */
+    bool grey;                                   /* one plane, or R = G = B everywhere */
+    bool opaque;                                 /* no alpha, or 1 everywhere */
+} hdr_stats;
+
+/* Takes the facts. The chain may end in a program verb, which is left out; a format verb: HDR_USAGE. */
+hdr_status hdr_chain_stats(hdr_chain *chain, hdr_input *input, hdr_stats *stats, const hdr_listener *listener,
+                           hdr_error *err);
+
+/* What the input holds, from its header alone. */
+hdr_status hdr_input_picture(hdr_input *input, hdr_picture *picture, hdr_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,55 @@
+/* A chain: clauses in order, and the options common to all. Held as work until somebody needs pixels. */
+#ifndef HDR_CHAIN_H
+#define HDR_CHAIN_H
+
+#include "base/pool.h"
+#include "io/source.h"
+#include "verb/verb.h"
+
+typedef struct hdr_clause {
+    const hdr_verb *verb;
+    void *params;
+    hdr_options given; /* the words it was made of */
+} hdr_clause;
+
+/* Values of the common options. */
+typedef struct hdr_common {
+    hdr_number threads, memory;
+    const char *output;
+    bool quiet, verbose, explain, json, help, version, reference, no_skip, strict;
+    int window, primaries, adapt;
+} hdr_common;
+enum { HDR_WINDOW_DISPLAY, HDR_WINDOW_DATA };
+enum { HDR_PRIMARIES_REC709, HDR_PRIMARIES_KEEP };
+enum { HDR_ADAPT_BRADFORD, HDR_ADAPT_NONE };
+
+struct hdr_chain {
+    hdr_clause *clauses;
+    int count;
+    hdr_common common;
+    hdr_options common_given;
+    hdr_settings settings; /* what the public header shows of `common` */
+    const char **files;    /* operands, NULL-ended */
+    int file_count;
+};
+
+/* ---- parse.c ---- */
+
+/* One clause whose words are all its own; operands are refused. */
+hdr_status hdr_chain_add_clause(hdr_chain *chain, const char *const words[], int count, hdr_error *err);
+
+/* Common options alone, as in the head's read line. What an earlier program gave already may be given again if it says the
+ * same. */
+hdr_status hdr_chain_add_reading(hdr_chain *chain, const char *const words[], int count, hdr_error *err);
+
+/* ---- head.c ---- */
+
+/* Reads the head in front of the input, if there is one, tells the input where the picture begins, and makes the chain
+ * that is to be run: the head's clauses, then this chain's, with this chain's settings. HDR_BAD_DATA: no valid head. */
+hdr_chain *hdr_chain_behind_head(const hdr_chain *chain, hdr_input *input, hdr_error *err);
+
+/* ---- Messages ---- */
+
+void hdr_say(const hdr_listener *listener, hdr_message kind, const char *format, ...) HDR_PRINTF(3, 4);
+
+#endif

@@ -1,0 +1,307 @@
+/* Words to chain. The same code reads a command line and the lines of a pipe's head. */
+#include "chain/chain.h"
+
+#include <sched.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const windows[] = {"display", "data", NULL};
+static const char *const primaries[] = {"rec709", "keep", NULL};
+static const char *const adaptations[] = {"bradford", "none", NULL};
+static const char *const automatic[] = {"auto", NULL};
+
+#define COMMON(member) offsetof(hdr_common, member)
+
+static const hdr_option common_options[] = {
+    {.name = "output", .letter = 'o', .type = HDR_OPTION_TEXT, .offset = COMMON(output), .metavar = "OUT",
+     .help = "write to this file; the format follows its ending (.png .exr .pfm); - is standard output"},
+    {.name = "threads", .letter = 'j', .type = HDR_OPTION_INTEGER, .offset = COMMON(threads), .metavar = "N", .min = 1,
+     .max = 1024, .words = automatic, .default_value = "auto",
+     .help = "threads; auto is HDR_THREADS, else the cores this process may use"},
+    {.name = "window", .type = HDR_OPTION_CHOICE, .offset = COMMON(window), .metavar = "WHICH", .words = windows,
+     .default_value = "display", .help = "the window of the picture that is written", .travels = true},
+    {.name = "primaries", .type = HDR_OPTION_CHOICE, .offset = COMMON(primaries), .metavar = "WHICH", .words = primaries,
+     .default_value = "rec709", .help = "convert to these before encoding, or keep the file's", .travels = true},
+    {.name = "adapt", .type = HDR_OPTION_CHOICE, .offset = COMMON(adapt), .metavar = "HOW", .words = adaptations,
+     .default_value = "bradford", .help = "how white is adapted when primaries are converted", .travels = true},
+    {.name = "memory", .type = HDR_OPTION_SIZE, .offset = COMMON(memory), .metavar = "BYTES", .min = 1 << 20, .max = 0x1p62,
+     .words = automatic, .default_value = "auto",
+     .help = "memory that pixels may be held in; auto is half of the machine's"},
+    {.name = "reference", .type = HDR_OPTION_FLAG, .offset = COMMON(reference), .travels = true,
+     .help = "evaluate everything in double precision, value by value: slow, the oracle"},
+    {.name = "no-skip", .type = HDR_OPTION_FLAG, .offset = COMMON(no_skip), .travels = true,
+     .help = "do what could be skipped"},
+    {.name = "strict", .type = HDR_OPTION_FLAG, .offset = COMMON(strict), .travels = true,
+     .help = "any NaN or infinity in the picture is an error"},
+    {.name = "explain", .type = HDR_OPTION_FLAG, .offset = COMMON(explain),
+     .help = "tell the plan on standard error: sweeps, constants, and what was skipped and why"},
+    {.name = "json", .type = HDR_OPTION_FLAG, .offset = COMMON(json), .help = "print JSON, where the verb prints"},
+    {.name = "quiet", .letter = 'q', .type = HDR_OPTION_FLAG, .offset = COMMON(quiet), .help = "no notes, only errors"},
+    {.name = "verbose", .letter = 'v', .type = HDR_OPTION_FLAG, .offset = COMMON(verbose), .help = "tell sizes and times"},
+    {.name = "help", .letter = 'h', .type = HDR_OPTION_FLAG, .offset = COMMON(help), .help = "print this help"},
+    {.name = "version", .letter = 'V', .type = HDR_OPTION_FLAG, .offset = COMMON(version), .help = "print the version"},
+    {0}};
+
+const hdr_option *hdr_common_options(void) {
+    return common_options;
+}
+
+void hdr_say(const hdr_listener *listener, hdr_message kind, const char *format, ...) {
+    if (!listener || !listener->say) return;
+    char line[1000];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(line, sizeof line, format, arguments);
+    va_end(arguments);
+    listener->say(listener->context, kind, line);
+}
+
+/* ---- The chain ---- */
+
+hdr_chain *hdr_chain_new(hdr_error *err) {
+    hdr_chain *chain = hdr_alloc(1, sizeof *chain);
+    const char **files = hdr_alloc(1, sizeof *files);
+    if (!chain || !files) {
+        hdr_fail(err, HDR_INTERNAL, "out of memory");
+        free(chain);
+        free(files);
+        return NULL;
+    }
+    chain->files = files;
+    hdr_options_default(common_options, &chain->common);
+    return chain;
+}
+
+void hdr_chain_free(hdr_chain *chain) {
+    if (!chain) return;
+    for (int i = 0; i < chain->count; i++) {
+        hdr_options_free(&chain->clauses[i].given);
+        free(chain->clauses[i].params);
+    }
+    free(chain->clauses);
+    hdr_options_free(&chain->common_given);
+    free(chain->files);
+    free(chain);
+}
+
+static int available_cores(void) {
+    cpu_set_t set;
+    int cores = sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
+    return cores < 1 ? 1 : cores > 1024 ? 1024 : cores;
+}
+
+/* -j, else HDR_THREADS where it is a number that -j would take, else the cores. */
+static int thread_count(const hdr_common *common) {
+    if (common->threads.word < 0) return (int)common->threads.value;
+    const char *text = getenv("HDR_THREADS");
+    hdr_common environment = *common;
+    hdr_options given = {0};
+    const hdr_option *option = hdr_option_find(common_options, "threads");
+    bool valid = text && hdr_option_set(option, text, &environment, &given, NULL) == HDR_OK && environment.threads.word < 0;
+    hdr_options_free(&given);
+    return valid ? (int)environment.threads.value : available_cores();
+}
+
+const hdr_settings *hdr_chain_settings(const hdr_chain *chain) {
+    const hdr_common *common = &chain->common;
+    hdr_settings *settings = (hdr_settings *)&chain->settings; /* a view of common, brought up to date when it is asked for */
+    *settings = (hdr_settings){.threads = thread_count(common),
+                               .output = common->output,
+                               .quiet = common->quiet,
+                               .verbose = common->verbose,
+                               .explain = common->explain,
+                               .json = common->json,
+                               .help = common->help,
+                               .version = common->version,
+                               .reference = common->reference,
+                               .no_skip = common->no_skip,
+                               .strict = common->strict,
+                               .memory = common->memory.word < 0 ? (uint64_t)common->memory.value : hdr_memory_default()};
+    return settings;
+}
+
+const char *const *hdr_chain_files(const hdr_chain *chain) {
+    return chain->files;
+}
+
+const hdr_verb_about *hdr_chain_last(const hdr_chain *chain) {
+    return chain->count ? &chain->clauses[chain->count - 1].verb->about : NULL;
+}
+
+/* ---- Words ---- */
+
+/* Where words are read from, one by one. */
+typedef struct words {
+    const char *const *word;
+    int count, next;
+} words;
+
+/* Looks the option up in the clause's table, then among the common ones. */
+static hdr_status set_option(hdr_chain *chain, hdr_clause *clause, const hdr_option *own, const hdr_option *common,
+                             const char *text, hdr_error *err) {
+    if (own) return hdr_option_set(own, text, clause->params, &clause->given, err);
+    return hdr_option_set(common, text, &chain->common, &chain->common_given, err);
+}
+
+static hdr_status unknown_option(const hdr_clause *clause, const char *word, hdr_error *err) {
+    if (!clause) return hdr_fail(err, HDR_USAGE, "unknown option %.100s", word);
+    return hdr_fail(err, HDR_USAGE, "unknown option %.100s; see hdr %s --help", word, clause->verb->about.name);
+}
+
+/* The value of an option that takes one: what stands behind it, or the next word. */
+static hdr_status option_value(const hdr_option *option, const char *attached, words *from, const char **text,
+                               hdr_error *err) {
+    *text = attached;
+    if (attached) return HDR_OK;
+    if (from->next < from->count) {
+        *text = from->word[from->next++];
+        return HDR_OK;
+    }
+    char line[400];
+    hdr_option_describe(option, line, sizeof line);
+    return hdr_fail(err, HDR_USAGE, "--%s: a value is missing\n%s", option->name, line);
+}
+
+/* --name, --name value, --name=value. */
+static hdr_status long_option(hdr_chain *chain, hdr_clause *clause, const char *word, words *from, hdr_error *err) {
+    char name[64];
+    const char *equals = strchr(word, '=');
+    size_t length = equals ? (size_t)(equals - word) : strlen(word);
+    if (length - 2 >= sizeof name) return unknown_option(clause, word, err);
+    memcpy(name, word + 2, length - 2);
+    name[length - 2] = '\0';
+    const hdr_option *own = clause ? hdr_option_find(clause->verb->about.options, name) : NULL;
+    const hdr_option *common = hdr_option_find(common_options, name);
+    const hdr_option *option = own ? own : common;
+    if (!option) return unknown_option(clause, word, err);
+    const char *text = NULL;
+    if (option->type != HDR_OPTION_FLAG) {
+        hdr_status status = option_value(option, equals ? equals + 1 : NULL, from, &text, err);
+        if (status) return status;
+    } else if (equals) {
+        return hdr_fail(err, HDR_USAGE, "--%s takes no value", name);
+    }
+    return set_option(chain, clause, own, common, text, err);
+}
+
+/* -g 2.2, -g2.2, -qv. */
+static hdr_status short_options(hdr_chain *chain, hdr_clause *clause, const char *word, words *from, hdr_error *err) {
+    for (const char *letter = word + 1; *letter; letter++) {
+        const hdr_option *own = clause ? hdr_option_letter(clause->verb->about.options, *letter) : NULL;
+        const hdr_option *common = hdr_option_letter(common_options, *letter);
+        const hdr_option *option = own ? own : common;
+        if (!option) return unknown_option(clause, word, err);
+        const char *text = NULL;
+        bool takes_value = option->type != HDR_OPTION_FLAG;
+        hdr_status status = takes_value ? option_value(option, letter[1] ? letter + 1 : NULL, from, &text, err) : HDR_OK;
+        if (!status) status = set_option(chain, clause, own, common, text, err);
+        if (status || takes_value) return status;
+    }
+    return HDR_OK;
+}
+
+static hdr_status add_file(hdr_chain *chain, const char *file, hdr_error *err) {
+    const char **files = hdr_grow(chain->files, (size_t)chain->file_count + 2, sizeof *files);
+    if (!files) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+    files[chain->file_count++] = file;
+    files[chain->file_count] = NULL;
+    chain->files = files;
+    return HDR_OK;
+}
+
+/* A new clause at the end, with its defaults. */
+static hdr_status open_clause(hdr_chain *chain, const char *name, hdr_clause **clause, hdr_error *err) {
+    const hdr_verb *verb = hdr_verb_find(name);
+    if (!verb) return hdr_fail(err, HDR_USAGE, "unknown verb '%.100s'; hdr --help lists them", name);
+    const hdr_verb_about *last = hdr_chain_last(chain);
+    if (last && last->kind != HDR_FILTER)
+        return hdr_fail(err, HDR_USAGE, "nothing can come after %s, which ends a chain", last->name);
+    hdr_clause *clauses = hdr_grow(chain->clauses, (size_t)chain->count + 1, sizeof *clauses);
+    if (!clauses) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+    chain->clauses = clauses;
+    void *params = hdr_alloc(1, verb->params_size);
+    if (!params) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+    hdr_options_default(verb->about.options, params);
+    *clause = &clauses[chain->count++];
+    **clause = (hdr_clause){.verb = verb, .params = params};
+    return HDR_OK;
+}
+
+static hdr_status close_clause(const hdr_clause *clause, hdr_error *err) {
+    return clause->verb->check ? clause->verb->check(clause->params, &clause->given, err) : HDR_OK;
+}
+
+static bool is_then(const char *word) {
+    return !strcmp(word, "then") || !strcmp(word, ":");
+}
+
+/* One clause, up to a `then` or the end. Operands are files where they are allowed; a lone "--" makes operands of the rest. */
+static hdr_status read_clause(hdr_chain *chain, words *from, bool files, hdr_error *err) {
+    hdr_clause *clause = NULL;
+    hdr_error own = {0};
+    hdr_status status = open_clause(chain, from->word[from->next++], &clause, err);
+    if (status) return status;
+    bool options = true;
+    while (!status && from->next < from->count && !(options && files && is_then(from->word[from->next]))) {
+        const char *word = from->word[from->next++];
+        if (options && files && !strcmp(word, "--"))
+            options = false;
+        else if (options && word[0] == '-' && word[1] == '-' && word[2])
+            status = long_option(chain, clause, word, from, &own);
+        else if (options && word[0] == '-' && word[1])
+            status = short_options(chain, clause, word, from, &own);
+        else if (files)
+            status = add_file(chain, word, &own);
+        else
+            status = hdr_fail(&own, HDR_USAGE, "'%.100s' is no option", word);
+    }
+    if (!status) status = close_clause(clause, &own);
+    if (!status) return HDR_OK;
+    hdr_fail_in(&own, clause->verb->about.name);
+    return hdr_fail(err, status, "%s", own.message);
+}
+
+hdr_status hdr_chain_add_clause(hdr_chain *chain, const char *const word[], int count, hdr_error *err) {
+    words from = {word, count, 0};
+    if (count < 1) return hdr_fail(err, HDR_USAGE, "a clause begins with a verb");
+    return read_clause(chain, &from, false, err);
+}
+
+hdr_status hdr_chain_add(hdr_chain *chain, const char *const word[], int count, hdr_error *err) {
+    return hdr_chain_add_clause(chain, word, count, err);
+}
+
+hdr_status hdr_chain_parse(hdr_chain *chain, int count, const char *const word[], hdr_error *err) {
+    words from = {word, count, 0};
+    for (;;) {
+        if (from.next >= from.count)
+            return hdr_fail(err, HDR_USAGE, count ? "a verb is missing after '%s'" : "a verb is missing%s",
+                            count ? word[count - 1] : "");
+        hdr_status status = read_clause(chain, &from, true, err);
+        if (status || from.next >= from.count) return status;
+        from.next++; /* then */
+    }
+}
+
+hdr_status hdr_chain_add_reading(hdr_chain *chain, const char *const word[], int count, hdr_error *err) {
+    words from = {word, count, 0};
+    while (from.next < from.count) {
+        int at = from.next;
+        const char *name = from.word[from.next++];
+        const hdr_option *option = strncmp(name, "--", 2) ? NULL : hdr_option_find(common_options, name + 2);
+        if (!option || !option->travels) return hdr_fail(err, HDR_USAGE, "'%.100s' is no reading option", name);
+        const char *text = NULL;
+        if (option->type != HDR_OPTION_FLAG && option_value(option, NULL, &from, &text, err)) return HDR_USAGE;
+        const hdr_given *earlier = NULL;
+        for (int i = 0; i < chain->common_given.count; i++)
+            if (chain->common_given.given[i].option == option) earlier = &chain->common_given.given[i];
+        if (earlier && text && strcmp(earlier->text, text))
+            return hdr_fail(err, HDR_USAGE, "%s: one program of the pipe says %s, another %s", word[at], earlier->text, text);
+        if (earlier) continue;
+        hdr_status status = hdr_option_set(option, text, &chain->common, &chain->common_given, err);
+        if (status) return status;
+    }
+    return HDR_OK;
+}

@@ -1,0 +1,316 @@
+/* A chain resolved against the facts, clause by clause, and run. */
+#include "chain/run.h"
+
+#include "picture/colour.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+/* Where the plan stands. */
+typedef struct planning {
+    hdr_run *run;
+    char state[64];     /* what the pixels are */
+    int bits;           /* above 0: quantised to that many */
+    bool foreign;       /* primaries other than Rec.709, not yet converted */
+    bool converted;
+    hdr_facts facts;    /* of the pixels as they were when facts were last taken; fresh: as they are now */
+    bool fresh;
+    hdr_facts range;    /* range of the components, carried along; known is 0 where it is not */
+} planning;
+
+static hdr_status append_step(planning *p, const hdr_step *step, hdr_error *err) {
+    hdr_run *run = p->run;
+    hdr_step *steps = hdr_grow(run->steps, (size_t)run->step_count + 1, sizeof *steps);
+    if (!steps) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+    run->steps = steps;
+    steps[run->step_count] = *step;
+    memcpy(steps[run->step_count].luminance, run->weights, sizeof run->weights);
+    run->step_count++;
+    p->fresh = false;
+    p->range.known = 0;
+    return HDR_OK;
+}
+
+/* ---- Colour ---- */
+
+static hdr_status start_colour(planning *p, hdr_error *err) {
+    const hdr_picture *picture = &p->run->source->picture;
+    if (!hdr_luminance_weights(&picture->chromaticities, p->run->weights))
+        return hdr_fail(err, HDR_BAD_DATA, "the chromaticities span no triangle");
+    p->foreign = picture->planes == 3 && hdr_chromaticities_differ(&picture->chromaticities, &hdr_rec709) &&
+                 p->run->chain->common.primaries != HDR_PRIMARIES_KEEP && !strcmp(p->state, "linear");
+    return HDR_OK;
+}
+
+/* Encoded pictures are in Rec.709's primaries: the conversion stands in front of the first verb that encodes or quantises. */
+static hdr_status convert_primaries(planning *p, hdr_error *err) {
+    if (!p->foreign) return HDR_OK;
+    hdr_run *run = p->run;
+    const hdr_picture *picture = &run->source->picture;
+    bool adapt = run->chain->common.adapt != HDR_ADAPT_NONE;
+    const double *neutral = picture->has_neutral ? picture->neutral : picture->chromaticities.white;
+    hdr_step step = {.form = HDR_FORM_MATRIX};
+    if (!hdr_matrix_to_rec709(&picture->chromaticities, neutral, adapt, step.matrix))
+        return hdr_fail(err, HDR_BAD_DATA, "the chromaticities cannot be converted to Rec.709");
+    hdr_status status = append_step(p, &step, err);
+    if (status) return status;
+    hdr_luminance_weights(&hdr_rec709, run->weights);
+    p->foreign = false;
+    p->converted = true;
+    hdr_say(run->listener, HDR_EXPLAIN, "primaries are converted to Rec.709, white %s",
+            adapt ? "adapted to D65" : "left as it is");
+    return HDR_OK;
+}
+
+/* ---- Clauses ---- */
+
+/* Facts that are at hand already, or a sweep for them. */
+static hdr_status provide_facts(planning *p, int number, const hdr_clause *clause, hdr_error *err) {
+    hdr_request request = {0};
+    if (clause->verb->needs) clause->verb->needs(clause->params, &request);
+    if (!request.percentiles && (!request.facts || (p->fresh && !(request.facts & ~p->facts.known)))) return HDR_OK;
+    hdr_status status = hdr_run_facts(p->run, &request, &p->facts, err);
+    p->fresh = !status;
+    if (!status)
+        hdr_say(p->run->listener, HDR_EXPLAIN, "sweep %d: facts for clause %d (%s)", p->run->sweeps, number,
+                clause->verb->about.name);
+    return status;
+}
+
+/* Where a step maps each channel by a curve that is monotone to the last bit, the range of the components maps along. It serves to
+ * skip, not as a fact. */
+static void carry_range(planning *p, const hdr_step *step, const hdr_facts *before) {
+    if (step->form != HDR_FORM_CHANNEL || !step->curve->monotone_to_the_bit || !(before->known & HDR_FACT_COMPONENTS)) return;
+    p->range = (hdr_facts){.known = HDR_FACT_COMPONENTS};
+    p->range.min_component = step->curve->exact(&step->constants, before->min_component);
+    p->range.max_component = step->curve->exact(&step->constants, before->max_component);
+}
+
+static hdr_status plan_clause(planning *p, int number, const hdr_clause *clause, hdr_error *err) {
+    hdr_run *run = p->run;
+    const char *name = clause->verb->about.name;
+    hdr_status status = provide_facts(p, number, clause, err);
+    if (status) return status;
+    hdr_facts facts = p->fresh ? p->facts : p->range;
+    hdr_scene scene = {.facts = facts, .state = p->state};
+    hdr_step step = {.verb = clause->verb, .clause = number, .saturation = 1};
+    hdr_verdict verdict = clause->verb->plan(clause->params, &scene, &step, err);
+    if (verdict == HDR_REFUSE) {
+        char prefix[100];
+        snprintf(prefix, sizeof prefix, "clause %d (%s)", number, name);
+        return hdr_fail_in(err, prefix);
+    }
+    bool encodes = step.state[0] && strcmp(step.state, "linear") != 0;
+    if (encodes || step.bits) status = convert_primaries(p, err);
+    if (status) return status;
+    if (step.bits && !encodes && !strcmp(p->state, "linear"))
+        hdr_say(run->listener, HDR_NOTE, "clause %d (%s): the picture is not encoded: %d bits of linear values", number, name,
+                step.bits);
+    if (verdict == HDR_SKIP && !run->settings.no_skip) {
+        hdr_say(run->listener, HDR_EXPLAIN, "clause %d (%s) skipped: %s", number, name, step.note);
+    } else {
+        hdr_say(run->listener, HDR_EXPLAIN, "clause %d (%s): %s", number, name, step.note);
+        status = append_step(p, &step, err);
+        carry_range(p, &step, &facts);
+    }
+    if (step.state[0]) memcpy(p->state, step.state, sizeof p->state);
+    if (step.bits) p->bits = step.bits;
+    return status;
+}
+
+/* True if some clause from index on asks for facts, so that one more sweep will come. */
+static bool wants_facts(const hdr_chain *chain) {
+    for (int i = 0; i < chain->count; i++) {
+        hdr_request request = {0};
+        if (chain->clauses[i].verb->needs) chain->clauses[i].verb->needs(chain->clauses[i].params, &request);
+        if (request.facts || request.percentiles) return true;
+    }
+    return false;
+}
+
+/* All clauses that are filters. */
+static hdr_status plan_filters(planning *p, hdr_error *err) {
+    const hdr_chain *chain = p->run->chain;
+    snprintf(p->state, sizeof p->state, "%s", p->run->source->picture.state);
+    hdr_status status = start_colour(p, err);
+    if (wants_facts(chain)) hdr_run_keep(p->run);
+    for (int i = 0; !status && i < chain->count; i++) {
+        if (chain->clauses[i].verb->about.kind != HDR_FILTER) break;
+        status = plan_clause(p, i + 1, &chain->clauses[i], err);
+    }
+    return status;
+}
+
+/* ---- Formats ---- */
+
+/* The format that is written: the last clause's, or by the ending of the output's name, or EXR. */
+static hdr_status choose_format(const hdr_chain *chain, const hdr_output *output, const hdr_verb **verb, hdr_error *err) {
+    const hdr_clause *last = chain->count ? &chain->clauses[chain->count - 1] : NULL;
+    if (last && last->verb->about.kind == HDR_PROGRAM)
+        return hdr_fail(err, HDR_USAGE, "%s writes no picture", last->verb->about.name);
+    *verb = last && last->verb->format ? last->verb : NULL;
+    if (*verb) return HDR_OK;
+    const char *name = hdr_output_name(output), *slash = strrchr(name, '/');
+    const char *ending = strrchr(slash ? slash : name, '.');
+    *verb = hdr_verb_find("exr");
+    if (!ending) return HDR_OK;
+    for (int i = 0; hdr_verb_number(i); i++) {
+        const hdr_verb *candidate = hdr_verb_number(i);
+        if (!candidate->format || strcasecmp(candidate->format->extension, ending)) continue;
+        *verb = candidate;
+        return HDR_OK;
+    }
+    return hdr_fail(err, HDR_USAGE, "%s: the ending %s is of no format that hdrpipe writes (.png .exr .pfm)", name, ending);
+}
+
+/* What a format of codes adds where the chain has neither encoded nor quantised. */
+static hdr_status encode_for_codes(planning *p, hdr_error *err) {
+    if (strcmp(p->state, "linear") || p->bits) return convert_primaries(p, err);
+    hdr_clause srgb = {.verb = hdr_verb_find("srgb")};
+    srgb.params = hdr_alloc(1, srgb.verb->params_size);
+    if (!srgb.params) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+    hdr_options_default(srgb.verb->about.options, srgb.params);
+    hdr_status status = plan_clause(p, p->run->chain->count, &srgb, err);
+    free(srgb.params);
+    return status;
+}
+
+static hdr_status write_picture(planning *p, const hdr_verb *format, hdr_output *output, hdr_error *err) {
+    const hdr_chain *chain = p->run->chain;
+    const hdr_clause *last = chain->count ? &chain->clauses[chain->count - 1] : NULL;
+    void *params = hdr_alloc(1, format->params_size);
+    if (!params) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+    hdr_options_default(format->about.options, params);
+    if (last && last->verb == format) memcpy(params, last->params, format->params_size);
+    hdr_status status = format->format->codes ? encode_for_codes(p, err) : HDR_OK;
+    if (!status) status = hdr_run_write(p->run, format, params, output, p->state, p->bits, p->converted, err);
+    if (!status && !format->format->alpha && !p->run->raw.opaque)
+        hdr_say(p->run->listener, HDR_NOTE, "%s has no alpha: it is left out", format->about.name);
+    if (!status)
+        hdr_say(p->run->listener, HDR_EXPLAIN, "sweep %d: %d steps, to %s", p->run->sweeps, p->run->step_count,
+                format->about.name);
+    free(params);
+    return status;
+}
+
+/* ---- The public runs ---- */
+
+/* Drops what the user did not ask for. */
+typedef struct filtered {
+    const hdr_listener *listener;
+    bool explain, verbose;
+} filtered;
+
+static void say_filtered(void *context, hdr_message kind, const char *line) {
+    const filtered *f = context;
+    if ((kind == HDR_EXPLAIN && !f->explain) || (kind == HDR_DETAIL && !f->verbose)) return;
+    f->listener->say(f->listener->context, kind, line);
+}
+
+/* Puts the input's name in front, unless the message begins with it. */
+static hdr_status with_name(hdr_error *err, const hdr_error *own, hdr_input *input) {
+    const char *name = hdr_input_name(input);
+    size_t length = strlen(name);
+    bool named = !strncmp(own->message, name, length) && own->message[length] == ':';
+    if (named || own->status == HDR_USAGE || own->status == HDR_CANT_CREATE || own->status == HDR_IO)
+        return hdr_fail(err, own->status, "%s", own->message);
+    return hdr_fail(err, own->status, "%s: %s", name, own->message);
+}
+
+/* What is done with a planned chain. */
+typedef hdr_status (*finish)(planning *p, void *context, hdr_error *err);
+
+static hdr_status run_chain(hdr_chain *chain, hdr_input *input, const hdr_listener *listener, finish end, void *context,
+                            hdr_error *err) {
+    hdr_error own = {0};
+    hdr_chain *whole = hdr_chain_behind_head(chain, input, &own);
+    hdr_status status = own.status;
+    if (!status) {
+        filtered settings = {listener, chain->common.explain, chain->common.verbose};
+        hdr_listener chosen = {say_filtered, &settings};
+        hdr_run run;
+        status = hdr_run_open(&run, whole, input, listener && listener->say ? &chosen : NULL, &own);
+        planning p = {.run = &run};
+        if (!status) status = plan_filters(&p, &own);
+        if (!status) status = end(&p, context, &own);
+        hdr_run_close(&run);
+    }
+    hdr_chain_free(whole);
+    return status ? with_name(err, &own, input) : HDR_OK;
+}
+
+static hdr_status finish_writing(planning *p, void *context, hdr_error *err) {
+    hdr_output *output = context;
+    const hdr_verb *format = NULL;
+    hdr_status status = choose_format(p->run->chain, output, &format, err);
+    if (!status) status = write_picture(p, format, output, err);
+    return status ? status : hdr_output_commit(output, err);
+}
+
+hdr_status hdr_chain_run(hdr_chain *chain, hdr_input *input, hdr_output *output, const hdr_listener *listener,
+                         hdr_error *err) {
+    /* a chain that cannot end so is refused before anything is read */
+    const hdr_verb *format = NULL;
+    hdr_status status = choose_format(chain, output, &format, err);
+    return status ? status : run_chain(chain, input, listener, finish_writing, output, err);
+}
+
+static const char *const stats_percents[HDR_PERCENTILES] = {"0.1", "1", "5", "25", "50", "75", "95", "99", "99.9"};
+
+static hdr_status finish_stats(planning *p, void *context, hdr_error *err) {
+    hdr_stats *stats = context;
+    hdr_request request = {.facts = HDR_FACT_COMPONENTS | HDR_FACT_LUMINANCE | HDR_FACT_CHANNELS,
+                           .percentiles = HDR_PERCENTILES};
+    for (int i = 0; i < HDR_PERCENTILES; i++) {
+        stats->percentile_percent[i] = strtod(stats_percents[i], NULL);
+        request.percentile[i].of = HDR_OF_LIT;
+        const char *dot = strchr(stats_percents[i], '.');
+        request.percentile[i].percent =
+            (hdr_decimal){(uint64_t)(stats->percentile_percent[i] * (dot ? 10 : 1) + 0.5), dot ? 1 : 0};
+    }
+    hdr_facts facts;
+    hdr_status status = hdr_run_facts(p->run, &request, &facts, err);
+    if (status) return status;
+    const hdr_raw *raw = &p->run->raw;
+    stats->picture = p->run->source->picture;
+    stats->pixels = facts.pixels;
+    stats->lit = facts.lit;
+    stats->nan = raw->nan;
+    stats->positive_infinity = raw->positive_infinity;
+    stats->negative_infinity = raw->negative_infinity;
+    stats->negative = facts.negative;
+    stats->unlit_colour = facts.unlit_colour;
+    memcpy(stats->min, facts.channel_min, sizeof stats->min);
+    memcpy(stats->max, facts.channel_max, sizeof stats->max);
+    stats->min_luminance = facts.min_luminance;
+    stats->max_luminance = facts.max_luminance;
+    stats->min_lit = facts.min_lit;
+    stats->log_average = facts.log_average;
+    memcpy(stats->percentile, facts.percentile, sizeof stats->percentile);
+    stats->grey = raw->grey;
+    stats->opaque = raw->opaque;
+    snprintf(stats->picture.state, sizeof stats->picture.state, "%s", p->state);
+    return HDR_OK;
+}
+
+hdr_status hdr_chain_stats(hdr_chain *chain, hdr_input *input, hdr_stats *stats, const hdr_listener *listener,
+                           hdr_error *err) {
+    const hdr_verb_about *last = hdr_chain_last(chain);
+    if (last && last->kind == HDR_FORMAT) return hdr_fail(err, HDR_USAGE, "no facts are taken of a file that is written");
+    *stats = (hdr_stats){0};
+    return run_chain(chain, input, listener, finish_stats, stats, err);
+}
+
+hdr_status hdr_input_picture(hdr_input *input, hdr_picture *picture, hdr_error *err) {
+    hdr_error own = {0};
+    hdr_chain *none = hdr_chain_new(&own);
+    hdr_chain *head = none ? hdr_chain_behind_head(none, input, &own) : NULL;
+    hdr_source *source = head ? hdr_source_open(input, hdr_memory_default(), &own) : NULL;
+    if (source) *picture = source->picture;
+    hdr_source_close(source);
+    hdr_chain_free(head);
+    hdr_chain_free(none);
+    return own.status ? with_name(err, &own, input) : HDR_OK;
+}

@@ -1,0 +1,394 @@
+#include "chain/run.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { KEPT_EMPTY, KEPT_FILLING, KEPT_WHOLE };
+
+/* ---- Opening and closing ---- */
+
+static hdr_status open_threads(hdr_run *run, hdr_error *err) {
+    run->threads = hdr_alloc((size_t)run->thread_count, sizeof *run->threads);
+    if (!run->threads) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+    for (int t = 0; t < run->thread_count; t++) {
+        run->threads[t].strip = aligned_alloc(64, (sizeof(hdr_strip) + 63) / 64 * 64);
+        if (!run->threads[t].strip) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+        hdr_status status = run->source->worker_new(run->source, &run->threads[t].worker, err);
+        if (status) return status;
+    }
+    return HDR_OK;
+}
+
+hdr_status hdr_run_open(hdr_run *run, const hdr_chain *chain, hdr_input *input, const hdr_listener *listener,
+                        hdr_error *err) {
+    *run = (hdr_run){.chain = chain, .settings = *hdr_chain_settings(chain), .listener = listener};
+    run->source = hdr_source_open(input, run->settings.memory, err);
+    if (!run->source) return err->status;
+    run->thread_count = run->settings.threads < run->source->blocks ? run->settings.threads : run->source->blocks;
+    if (run->thread_count < 1) run->thread_count = 1;
+    run->pool = hdr_pool_new(run->thread_count, err);
+    if (!run->pool) return err->status;
+    const hdr_picture *picture = &run->source->picture;
+    run->raw.grey = picture->planes == 1;
+    run->raw.opaque = !picture->has_alpha;
+    for (int c = 0; c < 4; c++)
+        if (picture->present[c]) run->kept_row += hdr_type_size(picture->channels[c].type) * (size_t)hdr_window_width(&picture->data);
+    return open_threads(run, err);
+}
+
+void hdr_run_close(hdr_run *run) {
+    hdr_pool_free(run->pool);
+    for (int t = 0; run->threads && t < run->thread_count; t++) {
+        if (run->threads[t].worker) run->source->worker_free(run->source, run->threads[t].worker);
+        free(run->threads[t].strip);
+    }
+    free(run->threads);
+    if (run->kept) hdr_free_pages(run->kept, run->kept_size);
+    free(run->kept_state);
+    free(run->steps);
+    hdr_source_close(run->source);
+}
+
+/* ---- Blocks ---- */
+
+static int block_rows(const hdr_run *run, int block) {
+    int64_t height = hdr_window_height(&run->source->picture.data);
+    int64_t left = height - (int64_t)block * run->source->block_rows;
+    return left < run->source->block_rows ? (int)left : run->source->block_rows;
+}
+
+void hdr_run_keep(hdr_run *run) {
+    uint64_t size = (uint64_t)run->kept_row * (uint64_t)hdr_window_height(&run->source->picture.data);
+    if (run->kept || size > run->settings.memory / 2 || size > SIZE_MAX) return;
+    run->kept_state = hdr_alloc((size_t)run->source->blocks, sizeof *run->kept_state);
+    run->kept = run->kept_state ? hdr_alloc_pages((size_t)size) : NULL;
+    run->kept_size = (size_t)size;
+    /* without the memory the blocks are decoded again: no fault */
+}
+
+/* Where a kept block lies: its channels one after the other, each in whole rows. */
+static void kept_block(const hdr_run *run, int block, hdr_block *out) {
+    const hdr_picture *picture = &run->source->picture;
+    unsigned char *at = run->kept + (size_t)block * (size_t)run->source->block_rows * run->kept_row;
+    *out = (hdr_block){.first_row = block * run->source->block_rows, .rows = block_rows(run, block)};
+    /* float channels first: every plane stays aligned to its type */
+    for (int pass = 0; pass < 2; pass++)
+        for (int c = 0; c < 4; c++) {
+            hdr_type type = picture->channels[c].type;
+            if (!picture->present[c] || (type == HDR_FLOAT) != (pass == 0)) continue;
+            out->type[c] = type;
+            out->stride[c] = hdr_type_size(type) * (size_t)hdr_window_width(&picture->data);
+            out->plane[c] = at;
+            at += out->stride[c] * (size_t)out->rows;
+        }
+}
+
+hdr_status hdr_run_read(hdr_run *run, int thread, int block, hdr_block *out, hdr_error *err) {
+    if (run->kept && atomic_load_explicit(&run->kept_state[block], memory_order_acquire) == KEPT_WHOLE) {
+        kept_block(run, block, out);
+        return HDR_OK;
+    }
+    hdr_status status = run->source->read(run->source, run->threads[thread].worker, block, out, err);
+    if (status || !run->kept) return status;
+    unsigned char empty = KEPT_EMPTY;
+    if (!atomic_compare_exchange_strong(&run->kept_state[block], &empty, KEPT_FILLING)) return HDR_OK;
+    hdr_block kept;
+    kept_block(run, block, &kept);
+    for (int c = 0; c < 4; c++)
+        for (int row = 0; kept.plane[c] && row < out->rows; row++)
+            memcpy((unsigned char *)kept.plane[c] + (size_t)row * kept.stride[c],
+                   out->plane[c] + (size_t)row * out->stride[c], kept.stride[c]);
+    atomic_store_explicit(&run->kept_state[block], KEPT_WHOLE, memory_order_release);
+    *out = kept; /* warm, and valid beyond the worker's next read */
+    return HDR_OK;
+}
+
+/* ---- Pixels ---- */
+
+/* NaN -> 0, -Inf -> 0, +Inf -> the channel's largest finite value. */
+static bool repair(hdr_run *run, hdr_watch *watch, int channel, double *value) {
+    if (isfinite(*value)) return true;
+    if (isnan(*value)) {
+        watch->nan++;
+        *value = 0;
+    } else if (*value < 0) {
+        watch->negative_infinity++;
+        *value = 0;
+    } else {
+        watch->positive_infinity++;
+        watch->infinity = true;
+        *value = run->raw.replacement[channel];
+        return run->raw.replacements_known;
+    }
+    return true;
+}
+
+/* One channel's pixels in double. False: an infinity for which no replacement is known. */
+static bool load_plane(hdr_run *run, hdr_watch *watch, const hdr_block *block, int channel, int row, int x, size_t count,
+                       double *out) {
+    if (!block->plane[channel]) {
+        memset(out, 0, count * sizeof *out);
+        return true;
+    }
+    const unsigned char *at = block->plane[channel] + (size_t)row * block->stride[channel];
+    if (block->type[channel] == HDR_HALF) {
+        const uint16_t *half = (const uint16_t *)(const void *)at + x;
+        if (hdr_half_all_finite(half, count)) {
+            hdr_half_to_real(half, out, count);
+            return true;
+        }
+        for (size_t i = 0; i < count; i++) out[i] = hdr_half_value(half[i]);
+    } else {
+        const float *values = (const float *)(const void *)at + x;
+        hdr_float_to_real(values, out, count);
+        if (hdr_float_all_finite(values, count)) return true;
+    }
+    bool known = true;
+    for (size_t i = 0; i < count; i++) known &= repair(run, watch, channel, &out[i]);
+    return known;
+}
+
+static bool all_one(const double *values, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        if (values[i] != 1) return false;
+    return true;
+}
+
+/* True where two channels hold the same bits, so that they are the same after repair too. */
+static bool same_bits(const hdr_block *block, int a, int b, int row, int x, size_t count) {
+    if (!block->plane[a] || !block->plane[b] || block->type[a] != block->type[b]) return false;
+    size_t size = hdr_type_size(block->type[a]);
+    return !memcmp(block->plane[a] + (size_t)row * block->stride[a] + (size_t)x * size,
+                   block->plane[b] + (size_t)row * block->stride[b] + (size_t)x * size, count * size);
+}
+
+bool hdr_run_load(hdr_run *run, int thread, const hdr_block *block, int row, int x, size_t count, bool reduce,
+                  bool alpha) {
+    hdr_strip *strip = run->threads[thread].strip;
+    hdr_watch *watch = &run->threads[thread].watch;
+    int planes = run->source->picture.planes;
+    bool known = true, colour = false;
+    strip->count = count;
+    /* G and B need not be converted where they repeat R; but repairs are counted in all channels */
+    bool plain_grey = planes == 3 && run->raw.grey && reduce && same_bits(block, 0, 1, row, x, count) &&
+                      same_bits(block, 0, 2, row, x, count);
+    uint64_t nan = watch->nan, positive = watch->positive_infinity, negative = watch->negative_infinity;
+    for (int p = 0; p < (plain_grey ? 1 : planes); p++)
+        known &= load_plane(run, watch, block, p, row, x, count, strip->c[p]);
+    if (plain_grey) {
+        watch->nan += 2 * (watch->nan - nan);
+        watch->positive_infinity += 2 * (watch->positive_infinity - positive);
+        watch->negative_infinity += 2 * (watch->negative_infinity - negative);
+    } else if (planes == 3 && known && (run->raw.grey || !watch->colour)) {
+        colour = memcmp(strip->c[0], strip->c[1], count * sizeof(double)) != 0 ||
+                 memcmp(strip->c[0], strip->c[2], count * sizeof(double)) != 0;
+        watch->colour |= colour;
+    }
+    strip->planes = planes == 3 && run->raw.grey && reduce ? 1 : planes;
+    bool translucent = false;
+    if (run->source->picture.has_alpha && (alpha || !run->raw.opaque || !run->raw.certain)) {
+        known &= load_plane(run, watch, block, 3, row, x, count, strip->alpha);
+        translucent = !all_one(strip->alpha, count);
+        watch->translucent |= translucent;
+        if (translucent)
+            for (int p = 0; p < strip->planes; p++) hdr_unassociate(strip->c[p], strip->alpha, count);
+    }
+    bool contradicted = !known || (colour && run->raw.grey) || (translucent && run->raw.opaque);
+    if (contradicted) hdr_pool_stop(run->pool);
+    return !contradicted;
+}
+
+/* ---- Sweeps ---- */
+
+/* The sweep that finds what +Inf becomes. */
+static hdr_status find_largest(void *context, int block, int thread, hdr_error *err) {
+    hdr_run *run = context;
+    hdr_block in;
+    hdr_status status = hdr_run_read(run, thread, block, &in, err);
+    if (status) return status;
+    int64_t width = hdr_window_width(&run->source->picture.data);
+    for (int c = 0; c < 4; c++)
+        for (int row = 0; in.plane[c] && row < in.rows; row++) {
+            const unsigned char *at = in.plane[c] + (size_t)row * in.stride[c];
+            for (int64_t x = 0; x < width; x++) {
+                double value = in.type[c] == HDR_HALF ? hdr_half_value(((const uint16_t *)(const void *)at)[x])
+                                                      : (double)((const float *)(const void *)at)[x];
+                if (isfinite(value)) run->threads[thread].largest[c] = fmax(run->threads[thread].largest[c], value);
+            }
+        }
+    return HDR_OK;
+}
+
+static hdr_status find_replacements(hdr_run *run, hdr_error *err) {
+    for (int t = 0; t < run->thread_count; t++) memset(run->threads[t].largest, 0, sizeof run->threads[t].largest);
+    hdr_status status = hdr_pool_run(run->pool, run->source->blocks, find_largest, run, err);
+    if (status) return status;
+    for (int t = 0; t < run->thread_count; t++)
+        for (int c = 0; c < 4; c++)
+            run->raw.replacement[c] = fmax(run->raw.replacement[c], run->threads[t].largest[c]);
+    run->raw.replacements_known = true;
+    run->sweeps++;
+    hdr_say(run->listener, HDR_EXPLAIN, "sweep %d: the largest finite value of each channel, for the infinities", run->sweeps);
+    return HDR_OK;
+}
+
+static hdr_watch merge_watches(const hdr_run *run) {
+    hdr_watch all = {0};
+    for (int t = 0; t < run->thread_count; t++) {
+        const hdr_watch *watch = &run->threads[t].watch;
+        all.colour |= watch->colour;
+        all.translucent |= watch->translucent;
+        all.infinity |= watch->infinity;
+        all.nan += watch->nan;
+        all.positive_infinity += watch->positive_infinity;
+        all.negative_infinity += watch->negative_infinity;
+    }
+    return all;
+}
+
+static void count_of(char *text, size_t size, uint64_t count, const char *what, const char *became) {
+    size_t used = strlen(text);
+    if (count) snprintf(text + used, size - used, "%s%llu %s (%s)", used ? ", " : "", (unsigned long long)count, what, became);
+}
+
+/* The repaired components, said once. */
+static hdr_status report_repairs(const hdr_run *run, hdr_error *err) {
+    const hdr_raw *raw = &run->raw;
+    char text[300] = "";
+    count_of(text, sizeof text, raw->nan, "NaN", "now 0");
+    count_of(text, sizeof text, raw->negative_infinity, "-Inf", "now 0");
+    count_of(text, sizeof text, raw->positive_infinity, "+Inf", "now the channel's largest finite value");
+    if (!text[0]) return HDR_OK;
+    if (run->settings.strict) return hdr_fail(err, HDR_BAD_DATA, "components that are no finite numbers: %s; --strict", text);
+    hdr_say(run->listener, HDR_NOTE, "repaired components: %s", text);
+    return HDR_OK;
+}
+
+/* Takes what a sweep has met for what the picture is. True: that is not what was assumed. */
+static bool learn(hdr_run *run, const hdr_watch *met) {
+    hdr_raw *raw = &run->raw;
+    hdr_raw before = *raw;
+    raw->grey = run->source->picture.planes == 1 || !met->colour;
+    raw->opaque = !met->translucent;
+    return raw->grey != before.grey || raw->opaque != before.opaque;
+}
+
+hdr_status hdr_run_sweep(hdr_run *run, const hdr_sweep *sweep, hdr_error *err) {
+    hdr_raw *raw = &run->raw;
+    for (;;) {
+        int items = 0;
+        for (int t = 0; t < run->thread_count; t++) run->threads[t].watch = (hdr_watch){0};
+        hdr_status status = sweep->before(sweep->context, &items, err);
+        if (!status) status = hdr_pool_run(run->pool, items, sweep->job, sweep->context, err);
+        if (status) return status;
+        hdr_watch met = merge_watches(run);
+        bool again = false;
+        if (met.infinity && !raw->replacements_known) {
+            status = find_replacements(run, err);
+            if (status) return status;
+            again = true;
+        }
+        /* an attempt that was broken off has met what contradicts, and perhaps not all there is */
+        if (met.colour && raw->grey) raw->grey = false, again = true;
+        if (met.translucent && raw->opaque) raw->opaque = false, again = true;
+        if (again) {
+            hdr_say(run->listener, HDR_EXPLAIN, "the picture is not what its middle looked like: the sweep begins again");
+            continue;
+        }
+        run->sweeps++;
+        if (raw->certain) return HDR_OK;
+        bool changed = learn(run, &met);
+        raw->certain = true;
+        raw->nan = met.nan;
+        raw->positive_infinity = met.positive_infinity;
+        raw->negative_infinity = met.negative_infinity;
+        status = report_repairs(run, err);
+        if (status || !changed || !sweep->depends) return status;
+    }
+}
+
+static hdr_status guess_job(void *context, int item, int thread, hdr_error *err) {
+    (void)item;
+    hdr_run *run = context;
+    hdr_block in;
+    hdr_status status = hdr_run_read(run, thread, run->source->blocks / 2, &in, err);
+    if (status) return status;
+    int64_t width = hdr_window_width(&run->source->picture.data);
+    size_t count = width < HDR_STRIP ? (size_t)width : HDR_STRIP;
+    for (int row = 0; row < in.rows; row++) {
+        int x = (int)((size_t)width - count) / 2;
+        hdr_watch *watch = &run->threads[thread].watch;
+        watch->colour |= run->source->picture.planes == 3 &&
+                         !(same_bits(&in, 0, 1, row, x, count) && same_bits(&in, 0, 2, row, x, count));
+        if (in.plane[3]) {
+            load_plane(run, watch, &in, 3, row, x, count, run->threads[thread].strip->alpha);
+            watch->translucent |= !all_one(run->threads[thread].strip->alpha, count);
+        }
+    }
+    return HDR_OK;
+}
+
+hdr_status hdr_run_guess(hdr_run *run, hdr_error *err) {
+    const hdr_picture *picture = &run->source->picture;
+    if (run->raw.certain || (picture->planes == 1 && !picture->has_alpha)) return HDR_OK;
+    for (int t = 0; t < run->thread_count; t++) run->threads[t].watch = (hdr_watch){0};
+    hdr_status status = hdr_pool_run(run->pool, 1, guess_job, run, err);
+    hdr_watch met = merge_watches(run);
+    run->raw.grey = !met.colour;
+    run->raw.opaque = !met.translucent;
+    return status;
+}
+
+/* ---- Facts ---- */
+
+typedef struct facts_sweep {
+    hdr_run *run;
+    hdr_taking *taking;
+    bool whole; /* all channels are wanted, even if they are equal */
+} facts_sweep;
+
+static hdr_status facts_before(void *context, int *items, hdr_error *err) {
+    (void)err;
+    facts_sweep *sweep = context;
+    hdr_taking_restart(sweep->taking);
+    *items = sweep->run->source->blocks;
+    return HDR_OK;
+}
+
+static hdr_status facts_job(void *context, int item, int thread, hdr_error *err) {
+    facts_sweep *sweep = context;
+    hdr_run *run = sweep->run;
+    hdr_strip *strip = run->threads[thread].strip;
+    hdr_block block;
+    hdr_status status = hdr_run_read(run, thread, item, &block, err);
+    if (status) return status;
+    int64_t width = hdr_window_width(&run->source->picture.data);
+    for (int row = 0; row < block.rows; row++) {
+        for (int64_t x = 0; x < width; x += HDR_STRIP) {
+            size_t count = width - x < HDR_STRIP ? (size_t)(width - x) : HDR_STRIP;
+            if (!hdr_run_load(run, thread, &block, row, (int)x, count, !sweep->whole, sweep->whole)) return HDR_OK;
+            hdr_strip_apply(strip, run->steps, 0, run->step_count, run->settings.reference);
+            hdr_strip_luminance(strip, run->weights);
+            const double *planes[3] = {strip->c[0], strip->c[1], strip->c[2]};
+            hdr_taking_strip(sweep->taking, thread, block.first_row + row, planes, strip->planes, strip->y,
+                             run->source->picture.has_alpha ? strip->alpha : NULL, count);
+        }
+        hdr_taking_row_end(sweep->taking, thread, block.first_row + row);
+    }
+    return HDR_OK;
+}
+
+hdr_status hdr_run_facts(hdr_run *run, const hdr_request *request, hdr_facts *facts, hdr_error *err) {
+    facts_sweep sweep = {.run = run, .whole = request->facts & HDR_FACT_CHANNELS};
+    int height = (int)hdr_window_height(&run->source->picture.data);
+    sweep.taking = hdr_taking_new(request, height, run->thread_count, err);
+    if (!sweep.taking) return err->status;
+    hdr_status status;
+    do {
+        status = hdr_run_sweep(run, &(hdr_sweep){.before = facts_before, .job = facts_job, .context = &sweep}, err);
+    } while (!status && hdr_taking_next(sweep.taking, facts));
+    hdr_taking_free(sweep.taking);
+    return status;
+}

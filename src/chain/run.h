@@ -1,0 +1,94 @@
+/* A run: a chain, a source, and what is known of the scene so far. Sweeps are made of it. */
+#ifndef HDR_RUN_H
+#define HDR_RUN_H
+
+#include "chain/chain.h"
+#include "chain/steps.h"
+#include "picture/picture.h"
+
+#include <stdatomic.h>
+
+/* What is known of the stored pixels as a whole. Until a sweep has seen all of them it is assumed; each sweep verifies what it
+ * assumes, stops at the first pixel that contradicts, and is made again. */
+typedef struct hdr_raw {
+    bool certain;
+    bool grey;   /* one plane, or R = G = B bit for bit after repair */
+    bool opaque; /* no alpha, or 1 everywhere */
+    bool replacements_known;
+    double replacement[4]; /* what +Inf becomes: the channel's largest finite value, at least 0 */
+    uint64_t nan, positive_infinity, negative_infinity;
+} hdr_raw;
+
+/* What one thread has met in the sweep under way. */
+typedef struct hdr_watch {
+    bool colour, translucent, infinity;
+    uint64_t nan, positive_infinity, negative_infinity;
+} hdr_watch;
+
+typedef struct hdr_thread {
+    void *worker;             /* of the source */
+    hdr_strip *strip;         /* 64-byte aligned */
+    double largest[4];        /* sweep for replacements: largest finite value of each channel */
+    hdr_watch watch;
+    void *packer;             /* of the sink */
+    unsigned char *samples;   /* a band */
+} hdr_thread;
+
+typedef struct hdr_run {
+    const hdr_chain *chain;
+    hdr_settings settings;
+    const hdr_listener *listener;
+    hdr_source *source;
+    hdr_pool *pool;
+    hdr_thread *threads;
+    int thread_count;
+    hdr_raw raw;
+    hdr_step *steps; /* those resolved so far, skipped ones left out */
+    int step_count;
+    double weights[3]; /* of luminance where the steps end */
+    int sweeps;        /* made so far */
+    /* Decoded blocks that are kept for the next sweep, in their stored type; kept == NULL: they are decoded again. */
+    unsigned char *kept;
+    size_t kept_size, kept_row; /* kept_row: bytes of a row of all channels that are read */
+    atomic_uchar *kept_state;   /* of each block: empty, being filled, whole */
+} hdr_run;
+
+/* Opens everything: head, source, pool. Free with hdr_run_close in any case; the chain is the one behind the head. */
+hdr_status hdr_run_open(hdr_run *run, const hdr_chain *chain, hdr_input *input, const hdr_listener *listener, hdr_error *err);
+void hdr_run_close(hdr_run *run);
+
+/* From now on decoded blocks are kept, if they fit in --memory: another sweep will come. */
+void hdr_run_keep(hdr_run *run);
+
+/* A block, from memory or decoded. */
+hdr_status hdr_run_read(hdr_run *run, int thread, int block, hdr_block *out, hdr_error *err);
+
+/* Reads count pixels from x on of a block's row (counted from the block's first) into the thread's strip: repaired, straight
+ * colour, one plane where the picture is taken for grey and `reduce` is set. alpha: fill the strip's alpha. False: the pixels
+ * contradict what is assumed; the sweep has been stopped. */
+bool hdr_run_load(hdr_run *run, int thread, const hdr_block *block, int row, int x, size_t count, bool reduce, bool alpha);
+
+/* How a sweep is made: `before` is called in front of each attempt and tells how many items there are; then job for each. */
+typedef struct hdr_sweep {
+    hdr_status (*before)(void *context, int *items, hdr_error *err);
+    hdr_job job;
+    void *context;
+    bool depends; /* what it makes depends on whether the picture is grey or opaque, not only on its values */
+} hdr_sweep;
+
+/* Makes a sweep, again if what it assumed turns out not to hold. The first that comes to its end makes the raw facts certain. */
+hdr_status hdr_run_sweep(hdr_run *run, const hdr_sweep *sweep, hdr_error *err);
+
+/* The facts of what the steps make of the picture. */
+hdr_status hdr_run_facts(hdr_run *run, const hdr_request *request, hdr_facts *facts, hdr_error *err);
+
+/* Looks at one block in the middle to assume what is likely. */
+hdr_status hdr_run_guess(hdr_run *run, hdr_error *err);
+
+/* ---- write.c ---- */
+
+/* Makes the sweep that writes: format's clause may be NULL (its defaults). */
+hdr_status hdr_run_write(hdr_run *run, const hdr_verb *format, const void *params, hdr_output *output, const char *state,
+                         int bits, bool converted, hdr_error *err);
+
+#endif

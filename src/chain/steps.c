@@ -1,0 +1,135 @@
+#include "chain/steps.h"
+
+#include "kernel/real.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+void hdr_strip_luminance(hdr_strip *strip, const double weights[3]) {
+    if (strip->planes == 1)
+        memcpy(strip->y, strip->c[0], strip->count * sizeof(double));
+    else
+        hdr_luminance(strip->c[0], strip->c[1], strip->c[2], weights, strip->y, strip->count);
+}
+
+/* ---- By rows ---- */
+
+static void apply_rows(hdr_strip *strip, const hdr_step *step) {
+    switch (step->form) {
+    case HDR_FORM_CHANNEL:
+        for (int p = 0; p < strip->planes; p++) {
+            step->curve->rows(&step->constants, strip->c[p], strip->count);
+            hdr_hold(strip->c[p], strip->count);
+        }
+        break;
+    case HDR_FORM_LUMINANCE:
+        hdr_strip_luminance(strip, step->luminance);
+        memcpy(strip->ld, strip->y, strip->count * sizeof(double));
+        step->curve->rows(&step->constants, strip->ld, strip->count);
+        if (step->saturation == 1) {
+            hdr_luminance_ratio(strip->y, strip->ld, strip->count);
+            for (int p = 0; p < strip->planes; p++) hdr_multiply(strip->c[p], strip->ld, strip->count);
+        } else {
+            for (int p = 0; p < strip->planes; p++)
+                hdr_saturate(strip->c[p], strip->y, strip->ld, step->saturation, strip->count);
+        }
+        break;
+    case HDR_FORM_MATRIX:
+        hdr_matrix_rows(strip->c[0], strip->c[1], strip->c[2], step->matrix, strip->count);
+        break;
+    }
+}
+
+/* ---- Value by value: SPEC's formulas and nothing else ---- */
+
+static double hold(double c) {
+    return c > (double)FLT_MAX ? (double)FLT_MAX : c < -(double)FLT_MAX ? -(double)FLT_MAX : c;
+}
+
+static void reference_pixel(const hdr_step *step, double *pixel[3], int planes) {
+    double r = *pixel[0], g = planes == 3 ? *pixel[1] : r, b = planes == 3 ? *pixel[2] : r;
+    if (step->form == HDR_FORM_CHANNEL) {
+        for (int p = 0; p < planes; p++) *pixel[p] = hold(step->curve->exact(&step->constants, *pixel[p]));
+    } else if (step->form == HDR_FORM_LUMINANCE) {
+        const double *w = step->luminance;
+        double y = r == g && g == b ? r : w[0] * r + w[1] * g + w[2] * b;
+        double ld = step->curve->exact(&step->constants, y);
+        for (int p = 0; p < planes; p++) {
+            double c = *pixel[p];
+            if (!(y > 0))
+                c = 0;
+            else if (step->saturation == 1)
+                c = c * (ld / y);
+            else
+                c = hdr_pow(c / y > 0 ? c / y : 0, step->saturation) * ld;
+            *pixel[p] = hold(c);
+        }
+    } else {
+        const double *m = step->matrix;
+        *pixel[0] = hold(m[0] * r + m[1] * g + m[2] * b);
+        *pixel[1] = hold(m[3] * r + m[4] * g + m[5] * b);
+        *pixel[2] = hold(m[6] * r + m[7] * g + m[8] * b);
+    }
+}
+
+void hdr_strip_apply(hdr_strip *strip, const hdr_step *steps, int first, int end, bool reference) {
+    if (!reference) {
+        for (int s = first; s < end; s++) apply_rows(strip, &steps[s]);
+        return;
+    }
+    for (size_t i = 0; i < strip->count; i++) {
+        double *pixel[3] = {&strip->c[0][i], &strip->c[1][i], &strip->c[2][i]};
+        for (int s = first; s < end; s++) reference_pixel(&steps[s], pixel, strip->planes);
+    }
+}
+
+/* ---- The tail as thresholds ---- */
+
+int hdr_steps_tail(const hdr_step *steps, int count) {
+    int tail = count;
+    while (tail > 0 && steps[tail - 1].form == HDR_FORM_CHANNEL) tail--;
+    return tail;
+}
+
+/* Codes of values, by rows. count <= HDR_STRIP. */
+static void codes_of(const hdr_step *steps, int step_count, const double *values, uint8_t *codes, size_t count) {
+    double work[HDR_STRIP];
+    memcpy(work, values, count * sizeof(double));
+    for (int s = 0; s < step_count; s++) {
+        steps[s].curve->rows(&steps[s].constants, work, count);
+        hdr_hold(work, count);
+    }
+    hdr_codes_u8(work, 255, codes, 1, count);
+}
+
+/* All thresholds at once by bisection over the bits of positive doubles, which order as the doubles do. Exact: every step is
+ * monotone, so the smallest value with a code of k or more is where the bisection ends. */
+bool hdr_steps_tabulate(const hdr_step *steps, int count, hdr_code_table *table) {
+    enum { TOP = 255 };
+    double probe[TOP + 1] = {0, -(double)FLT_MAX, (double)FLT_MAX};
+    uint8_t code[TOP + 1];
+    codes_of(steps, count, probe, code, 3);
+    if (code[1] != code[0]) return false;
+    unsigned at_zero = code[0], at_largest = code[2];
+    uint64_t low[TOP + 1], high[TOP + 1]; /* code(low) < k <= code(high) */
+    for (unsigned k = 0; k <= TOP; k++) {
+        low[k] = 0;
+        high[k] = hdr_real_bits((double)FLT_MAX);
+    }
+    for (int halving = 0; halving < 63; halving++) {
+        for (unsigned k = 0; k <= TOP; k++) probe[k] = hdr_real_from_bits(low[k] + (high[k] - low[k]) / 2);
+        codes_of(steps, count, probe, code, TOP + 1);
+        for (unsigned k = 0; k <= TOP; k++) {
+            uint64_t middle = hdr_real_bits(probe[k]);
+            if (code[k] >= k)
+                high[k] = middle;
+            else
+                low[k] = middle;
+        }
+    }
+    for (unsigned k = 0; k <= TOP; k++)
+        table->threshold[k] = k <= at_zero ? 0 : k > at_largest ? (double)INFINITY : hdr_real_from_bits(high[k]);
+    hdr_code_table_index(table, TOP);
+    return true;
+}

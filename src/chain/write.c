@@ -1,0 +1,318 @@
+/* The sweep that writes: from a block to packed bytes on one thread, while its lines are warm. */
+#include "chain/run.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* What the sweep is made with; valid for the assumptions of one attempt. */
+typedef struct writing {
+    hdr_run *run;
+    const hdr_verb *format;
+    const void *params;
+    hdr_output *output;
+    hdr_frame frame;      /* planes and alpha are set by each attempt */
+    bool may_be_grey;     /* the format stores one plane where the picture is grey */
+    hdr_sink *sink;
+    int *first_row;       /* bands: band i is the frame's rows first_row[i] ... first_row[i+1]-1 */
+    int bands;
+    int tail;             /* first of the steps that the table stands for; all steps before are done by rows */
+    bool tabulated;
+    hdr_code_table *table;
+    uint8_t *half_codes;  /* codes of all half values, or NULL where that does not serve */
+} writing;
+
+/* ---- Bands ---- */
+
+static void add_band(writing *w, int64_t row) {
+    if (row > w->first_row[w->bands] && row < w->frame.height) w->first_row[++w->bands] = (int)row;
+}
+
+/* Bands follow the source's blocks where the format leaves it open, so that each block is decoded by one thread, once. Rows without
+ * pixels, above and below, come in bands of the same height. */
+static hdr_status cut_bands(writing *w, hdr_error *err) {
+    const hdr_source *source = w->run->source;
+    int multiple = w->sink->band_multiple, height = w->frame.height;
+    int64_t step = source->block_rows;
+    if (multiple > 1) step = (step + multiple - 1) / multiple * multiple;
+    /* where the data window's first row lies in the frame */
+    int64_t offset = multiple > 1 ? 0 : ((int64_t)source->picture.data.min_y - w->frame.data.min_y) % step;
+    if (offset < 0) offset += step;
+    free(w->first_row);
+    w->first_row = hdr_alloc((size_t)(height / step) + 4, sizeof *w->first_row);
+    if (!w->first_row) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+    w->bands = 0;
+    for (int64_t row = offset; row < height; row += step) add_band(w, row);
+    w->first_row[++w->bands] = height;
+    return HDR_OK;
+}
+
+/* ---- An attempt ---- */
+
+/* Whether the picture that is written has pixels outside the data window. */
+static bool has_border(const writing *w) {
+    const hdr_window *data = &w->run->source->picture.data, *window = &w->frame.data;
+    return window->min_x < data->min_x || window->max_x > data->max_x || window->min_y < data->min_y ||
+           window->max_y > data->max_y;
+}
+
+static void close_sink(writing *w) {
+    for (int t = 0; t < w->run->thread_count; t++) {
+        hdr_thread *thread = &w->run->threads[t];
+        if (w->sink && thread->packer) w->sink->packer_free(w->sink, thread->packer);
+        thread->packer = NULL;
+        free(thread->samples);
+        thread->samples = NULL;
+    }
+    if (w->sink) w->sink->close(w->sink);
+    w->sink = NULL;
+}
+
+/* Every channel by itself, from half, to 8 bits: all 65536 answers fit in a table. */
+static bool serves_half_codes(const writing *w) {
+    const hdr_picture *picture = &w->run->source->picture;
+    bool half = true;
+    for (int p = 0; p < picture->planes; p++) half &= picture->present[p] && picture->channels[p].type == HDR_HALF;
+    return half && w->tabulated && w->tail == 0 && w->run->raw.opaque && !w->frame.alpha;
+}
+
+/* NaN and -Inf are repaired to 0. +Inf is left to the other path, which knows its replacement. */
+static void fill_half_codes(writing *w) {
+    for (unsigned start = 0; start < 65536; start += HDR_STRIP) {
+        double values[HDR_STRIP];
+        for (unsigned i = 0; i < HDR_STRIP; i++) {
+            double value = hdr_half_value((uint16_t)(start + i));
+            values[i] = value - value == 0 ? value : 0;
+        }
+        hdr_code_lookup(w->table, values, w->half_codes + start, 1, HDR_STRIP);
+    }
+}
+
+static hdr_status begin_attempt(void *context, int *items, hdr_error *err) {
+    writing *w = context;
+    hdr_run *run = w->run;
+    const hdr_picture *picture = &run->source->picture;
+    close_sink(w);
+    hdr_status status = hdr_output_restart(w->output, err);
+    if (status) return status;
+    w->frame.planes = picture->planes == 3 && run->raw.grey && w->may_be_grey ? 1 : picture->planes;
+    w->frame.alpha = w->format->format->alpha && picture->has_alpha && (!run->raw.opaque || has_border(w));
+    w->sink = w->format->format->create(w->params, w->output, &w->frame, err);
+    if (!w->sink) return err->status;
+    status = cut_bands(w, err);
+    if (status) return status;
+    int tallest = 0;
+    for (int b = 0; b < w->bands; b++) {
+        int rows = w->first_row[b + 1] - w->first_row[b];
+        tallest = rows > tallest ? rows : tallest;
+    }
+    for (int t = 0; t < run->thread_count; t++) {
+        run->threads[t].samples = hdr_alloc((size_t)tallest, hdr_frame_row_bytes(&w->frame));
+        if (!run->threads[t].samples) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+        status = w->sink->packer_new(w->sink, &run->threads[t].packer, err);
+        if (status) return status;
+    }
+    free(w->half_codes);
+    w->half_codes = serves_half_codes(w) ? hdr_alloc(65536, 1) : NULL;
+    if (w->half_codes) fill_half_codes(w);
+    *items = w->bands;
+    return w->sink->begin(w->sink, err);
+}
+
+/* ---- A row ---- */
+
+/* The strip's values as the frame's samples, at pixel x of the row. */
+static void store_samples(const writing *w, hdr_strip *strip, unsigned char *row, int x) {
+    const hdr_frame *frame = &w->frame;
+    size_t channels = (size_t)hdr_frame_channels(frame), n = strip->count;
+    const double *plane[4] = {strip->c[0], strip->c[1], strip->c[2]};
+    plane[frame->planes] = strip->alpha; /* the last channel, where there is alpha */
+    for (size_t c = 0; c < channels; c++) {
+        bool is_alpha = c == (size_t)frame->planes;
+        switch (frame->sample) {
+        case HDR_SAMPLE_U8: {
+            uint8_t *out = row + (size_t)x * channels + c;
+            if (w->tabulated && !is_alpha)
+                hdr_code_lookup(w->table, plane[c], out, channels, n);
+            else
+                hdr_codes_u8(plane[c], 255, out, channels, n);
+            break;
+        }
+        case HDR_SAMPLE_U16:
+            hdr_codes_u16(plane[c], 65535, (uint16_t *)(void *)row + (size_t)x * channels + c, channels, n);
+            break;
+        case HDR_SAMPLE_FLOAT:
+            hdr_real_to_float(plane[c], (float *)(void *)row + c * (size_t)frame->width + x, n);
+            break;
+        case HDR_SAMPLE_HALF:
+            hdr_real_to_half(plane[c], (uint16_t *)(void *)row + c * (size_t)frame->width + x, n);
+            break;
+        }
+    }
+}
+
+static bool all_one_half(const uint16_t *half, size_t count) {
+    uint16_t difference = 0;
+    for (size_t i = 0; i < count; i++) difference |= half[i] ^ 0x3c00u;
+    return difference == 0;
+}
+
+/* Half values of a row piece straight to codes. False: there is something to repair, or what is assumed does not hold; the other path
+ * settles it. */
+static bool store_half_codes(const writing *w, int thread, const hdr_block *block, int row, int x, size_t count,
+                             unsigned char *out) {
+    const hdr_run *run = w->run;
+    const hdr_picture *picture = &run->source->picture;
+    if (!w->half_codes) return false;
+    const uint16_t *half[4] = {NULL};
+    for (int c = 0; c < 4; c++) {
+        if (!block->plane[c]) continue;
+        if (block->type[c] != HDR_HALF) return false; /* alpha may be float */
+        half[c] = (const uint16_t *)(const void *)(block->plane[c] + (size_t)row * block->stride[c]) + x;
+    }
+    for (int p = 0; p < picture->planes; p++)
+        if (!hdr_half_all_finite(half[p], count)) return false;
+    if (!run->raw.certain && half[3] && !all_one_half(half[3], count)) return false;
+    bool *colour = &run->threads[thread].watch.colour;
+    if (picture->planes == 3 && (run->raw.grey || !*colour)) {
+        bool grey = !memcmp(half[0], half[1], 2 * count) && !memcmp(half[0], half[2], 2 * count);
+        if (!grey && run->raw.grey) return false;
+        *colour |= !grey;
+    }
+    hdr_code_half(w->half_codes, (const uint16_t *const *)half, w->frame.planes, out, count);
+    return true;
+}
+
+/* A row of the frame that has pixels. False: the attempt is over. */
+static bool make_row(const writing *w, int thread, const hdr_block *block, int row, unsigned char *out) {
+    hdr_run *run = w->run;
+    const hdr_window *data = &run->source->picture.data, *window = &w->frame.data;
+    hdr_strip *strip = run->threads[thread].strip;
+    int64_t left = data->min_x > window->min_x ? data->min_x : window->min_x;
+    int64_t right = data->max_x < window->max_x ? data->max_x : window->max_x;
+    if (left > window->min_x || right < window->max_x) memset(out, 0, hdr_frame_row_bytes(&w->frame));
+    for (int64_t at = left; at <= right; at += HDR_STRIP) {
+        size_t count = right - at + 1 < HDR_STRIP ? (size_t)(right - at + 1) : HDR_STRIP;
+        int x = (int)(at - data->min_x), frame_x = (int)(at - window->min_x);
+        if (store_half_codes(w, thread, block, row, x, count, out + (size_t)frame_x * (size_t)w->frame.planes)) continue;
+        if (!hdr_run_load(run, thread, block, row, x, count, w->may_be_grey, w->frame.alpha)) return false;
+        hdr_strip_apply(strip, run->steps, 0, w->tabulated ? w->tail : run->step_count, run->settings.reference);
+        if (!w->format->format->codes && !run->raw.opaque)
+            for (int p = 0; p < strip->planes; p++) hdr_associate(strip->c[p], strip->alpha, count);
+        store_samples(w, strip, out, frame_x);
+    }
+    return true;
+}
+
+/* The rows of a band. False: the attempt is over, or err is filled. */
+static bool make_band(const writing *w, int thread, int first, int end, hdr_error *err) {
+    hdr_run *run = w->run;
+    const hdr_window *data = &run->source->picture.data, *window = &w->frame.data;
+    size_t row_bytes = hdr_frame_row_bytes(&w->frame);
+    unsigned char *out = run->threads[thread].samples;
+    bool beside = data->max_x < window->min_x || data->min_x > window->max_x; /* no pixel of any row is in the frame */
+    int current = -1;
+    hdr_block block;
+    for (int row = first; row < end; row++, out += row_bytes) {
+        int64_t data_row = (int64_t)window->min_y + row - data->min_y;
+        if (beside || data_row < 0 || data_row >= hdr_window_height(data)) {
+            memset(out, 0, row_bytes);
+            continue;
+        }
+        int wanted = (int)(data_row / run->source->block_rows);
+        if (wanted != current && hdr_run_read(run, thread, wanted, &block, err)) return false;
+        current = wanted;
+        if (!make_row(w, thread, &block, (int)data_row - block.first_row, out)) return false;
+    }
+    return true;
+}
+
+static hdr_status band_job(void *context, int band, int thread, hdr_error *err) {
+    writing *w = context;
+    hdr_thread *mine = &w->run->threads[thread];
+    int first = w->first_row[band], end = w->first_row[band + 1];
+    if (!make_band(w, thread, first, end, err)) return err->status;
+    hdr_status status = w->sink->pack(w->sink, mine->packer, first, end - first, mine->samples, err);
+    if (status || !hdr_pool_enter(w->run->pool, band)) return status;
+    status = w->sink->deliver(w->sink, mine->packer, err);
+    hdr_pool_leave(w->run->pool, band);
+    return status;
+}
+
+/* ---- The sweep ---- */
+
+/* The window that is written, and whether it is one that can be. */
+static hdr_status choose_frame(writing *w, hdr_error *err) {
+    const hdr_picture *picture = &w->run->source->picture;
+    const hdr_window *window = w->run->chain->common.window == HDR_WINDOW_DATA ? &picture->data : &picture->display;
+    int64_t width = hdr_window_width(window), height = hdr_window_height(window);
+    double area = (double)width * (double)height;
+    double data_area = (double)hdr_window_width(&picture->data) * (double)hdr_window_height(&picture->data);
+    /* a display window that is mostly black is one thing, one of 10^18 pixels a damaged file */
+    if (width < 1 || height < 1 || width > INT32_MAX || height > INT32_MAX || (area > 0x1p27 && area > 64 * data_area))
+        return hdr_fail(err, HDR_BAD_DATA, "the display window of %lld x %lld pixels cannot be written; try --window data",
+                        (long long)width, (long long)height);
+    w->frame.width = (int)width;
+    w->frame.height = (int)height;
+    w->frame.data = *window;
+    w->frame.display = picture->display;
+    w->frame.pixel_aspect = picture->pixel_aspect;
+    return HDR_OK;
+}
+
+/* A file whose pixels outside the frame are never looked at still has to be whole, and its repairs counted: they are facts over the
+ * data window. One sweep over all blocks settles it where the writing sweep would not see them all. */
+static bool sees_all(const writing *w) {
+    const hdr_window *data = &w->run->source->picture.data, *window = &w->frame.data;
+    return window->min_x <= data->min_x && window->max_x >= data->max_x && window->min_y <= data->min_y &&
+           window->max_y >= data->max_y;
+}
+
+static void explain_tail(const writing *w) {
+    const hdr_run *run = w->run;
+    if (w->half_codes)
+        hdr_say(run->listener, HDR_EXPLAIN, "each channel by itself from half: a table of 65536 codes stands for the whole chain");
+    else if (w->tabulated)
+        hdr_say(run->listener, HDR_EXPLAIN, "the last %d of %d steps: 255 thresholds stand for them, only 256 codes can come out",
+                run->step_count - w->tail, run->step_count);
+    if (run->source->picture.planes == 3 && w->frame.planes == 1)
+        hdr_say(run->listener, HDR_EXPLAIN, "R = G = B everywhere: one plane is computed and written");
+    if (run->source->picture.has_alpha && run->raw.opaque)
+        hdr_say(run->listener, HDR_EXPLAIN, "alpha is 1 everywhere: %s", w->frame.alpha ? "kept for the border" : "dropped");
+}
+
+hdr_status hdr_run_write(hdr_run *run, const hdr_verb *format, const void *params, hdr_output *output, const char *state,
+                         int bits, bool converted, hdr_error *err) {
+    const hdr_picture *picture = &run->source->picture;
+    writing w = {.run = run, .format = format, .params = params, .output = output};
+    int sample_bits = format->format->codes ? format->format->bits(params, bits) : 0;
+    w.frame.sample = format->format->sample(params, sample_bits);
+    w.frame.bits = bits ? bits : sample_bits;
+    w.frame.state = state;
+    if (!strncmp(state, "gamma ", 6)) w.frame.gamma = strtod(state + 6, NULL);
+    w.frame.has_chromaticities = picture->has_chromaticities && !converted;
+    w.frame.chromaticities = picture->chromaticities;
+    w.may_be_grey = format->format->codes && !converted;
+    w.tail = hdr_steps_tail(run->steps, run->step_count);
+    hdr_status status = choose_frame(&w, err);
+    bool table = w.frame.sample == HDR_SAMPLE_U8 && !run->settings.reference && !run->settings.no_skip;
+    if (!status && table) {
+        w.table = hdr_alloc(1, sizeof *w.table);
+        w.tabulated = w.table && hdr_steps_tabulate(run->steps + w.tail, run->step_count - w.tail, w.table);
+    }
+    if (!status && !run->raw.certain && !sees_all(&w)) {
+        hdr_request nothing = {0};
+        hdr_facts facts;
+        status = hdr_run_facts(run, &nothing, &facts, err);
+    }
+    if (!status) status = hdr_run_guess(run, err);
+    if (!status)
+        status = hdr_run_sweep(
+            run, &(hdr_sweep){.before = begin_attempt, .job = band_job, .context = &w, .depends = true}, err);
+    if (!status) status = w.sink->end(w.sink, err);
+    if (!status) explain_tail(&w);
+    close_sink(&w);
+    free(w.first_row);
+    free(w.table);
+    free(w.half_codes);
+    return status;
+}

@@ -1,0 +1,377 @@
+/* The EXR source: blocks of rows from the chunks of a file, in the type that it stores.
+ *
+ * OpenEXRCore parses the header and undoes PIZ, PXR24 and B44; where the chunks are is found out here, so that bytes
+ * are read as they come from a pipe, each fault can be told with its rows, and nothing is allocated that the file's
+ * bytes do not back. */
+#include "io/exr_header.h"
+#include "io/exr_unpack.h"
+#include "io/source.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    LEAST_BLOCK_ROWS = 16,
+    TABLE_STEP = 64 * 1024, /* entries of the chunk table read at once */
+    LEADER_LINES = 8,       /* bytes in front of a chunk of lines: the first line, the packed size */
+    LEADER_TILE = 20        /* and of a tile: across, down, level across, level down, the packed size */
+};
+
+struct exr_source {
+    hdr_source base;
+    hdr_input *input;
+    hdr_exr_header header;
+    uint64_t *table; /* where each chunk begins */
+    int64_t chunks;  /* of level 0 */
+    int64_t tiles_across;
+    size_t row_bytes;      /* of a row over all channels of the file */
+    bool in_place[4];      /* a plane's rows are aligned where a chunk of lines has them */
+    size_t plane_bytes[4]; /* of one row */
+};
+
+/* Memory that is enlarged without keeping what it held. */
+struct buffer {
+    unsigned char *bytes;
+    size_t room;
+};
+
+struct exr_worker {
+    hdr_exr_unpacker *unpacker;
+    struct buffer packed;
+    struct buffer chunk;  /* a tile's pixels, or a block of lines */
+    struct buffer planes; /* planes that cannot be used where they were decoded */
+};
+
+static bool buffer_room(struct buffer *buffer, size_t size) {
+    if (size <= buffer->room) return true;
+    free(buffer->bytes);
+    buffer->bytes = hdr_alloc(size, 1);
+    buffer->room = buffer->bytes ? size : 0;
+    return buffer->bytes != NULL;
+}
+
+/* ---- Finding chunks
+ * -------------------------------------------------------------------------------------------------- */
+
+static uint32_t little_endian_32(const unsigned char *bytes) {
+    return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
+}
+
+static uint64_t little_endian_64(const unsigned char *bytes) {
+    return little_endian_32(bytes) | (uint64_t)little_endian_32(bytes + 4) << 32;
+}
+
+/* Describes a chunk by its number, without looking at the file. */
+static hdr_exr_chunk chunk_at(const struct exr_source *source, int64_t index) {
+    const hdr_exr_header *header = &source->header;
+    hdr_exr_chunk chunk = {.index = index};
+    int64_t down = index / source->tiles_across, across = index % source->tiles_across;
+    int64_t first_row = down * header->chunk_rows, rows_left = header->height - first_row;
+    chunk.height = (int)(rows_left < header->chunk_rows ? rows_left : header->chunk_rows);
+    if (header->tiled) {
+        int64_t columns_left = header->width - across * header->tile_width;
+        chunk.x = (int)across;
+        chunk.y = (int)down;
+        chunk.width = (int)(columns_left < header->tile_width ? columns_left : header->tile_width);
+    } else {
+        chunk.x = header->picture.data.min_x;
+        chunk.y = (int)(header->picture.data.min_y + first_row);
+        chunk.width = (int)header->width;
+    }
+    chunk.size = header->pixel_bytes * (size_t)chunk.width * (size_t)chunk.height;
+    return chunk;
+}
+
+/* Fails with a sentence that begins with the file's name and the chunk's rows in its own coordinates. */
+static hdr_status chunk_fault(const struct exr_source *source, const hdr_exr_chunk *chunk, const char *what,
+                              hdr_error *err) {
+    const char *name = hdr_input_name(source->input);
+    int64_t first = source->header.picture.data.min_y + chunk->index / source->tiles_across * source->header.chunk_rows;
+    int64_t last = first + chunk->height - 1;
+    if (source->header.tiled)
+        return hdr_fail(err, HDR_BAD_DATA, "%s: rows %lld to %lld, tile %d: %s", name, (long long)first,
+                        (long long)last, chunk->x, what);
+    if (first == last) return hdr_fail(err, HDR_BAD_DATA, "%s: row %lld: %s", name, (long long)first, what);
+    return hdr_fail(err, HDR_BAD_DATA, "%s: rows %lld to %lld: %s", name, (long long)first, (long long)last, what);
+}
+
+/* Reads size bytes of a chunk. */
+static hdr_status read_bytes(struct exr_source *source, const hdr_exr_chunk *chunk, void *to, size_t size,
+                             uint64_t offset, hdr_error *err) {
+    int64_t count = hdr_input_read(source->input, to, size, offset, err);
+    if (count < 0) return HDR_IO;
+    if ((uint64_t)count < size) return chunk_fault(source, chunk, "the file ends before them", err);
+    return HDR_OK;
+}
+
+/* Checks what stands in front of the chunk, and sets its packed size and the offset of its packed bytes. */
+static hdr_status read_leader(struct exr_source *source, hdr_exr_chunk *chunk, uint64_t *offset, hdr_error *err) {
+    const hdr_exr_header *header = &source->header;
+    unsigned char leader[LEADER_TILE];
+    size_t size = header->tiled ? LEADER_TILE : LEADER_LINES;
+    uint64_t at = source->table[chunk->index];
+    if (at < header->table_offset + 8 * (uint64_t)source->chunks)
+        return chunk_fault(source, chunk, "they are missing: the file was not written to its end", err);
+    hdr_status status = read_bytes(source, chunk, leader, size, at, err);
+    if (status != HDR_OK) return status;
+    bool right = header->tiled ? little_endian_32(leader) == (uint32_t)chunk->x &&
+                                     little_endian_32(leader + 4) == (uint32_t)chunk->y &&
+                                     little_endian_32(leader + 8) == 0 && little_endian_32(leader + 12) == 0
+                               : little_endian_32(leader) == (uint32_t)chunk->y;
+    chunk->packed_size = little_endian_32(leader + size - 4);
+    if (!right || !hdr_exr_plausible(header, chunk))
+        return chunk_fault(source, chunk, "the chunk table or the chunk is damaged", err);
+    *offset = at + size;
+    int64_t file_size = hdr_input_size(source->input);
+    if (file_size >= 0 && *offset + chunk->packed_size > (uint64_t)file_size)
+        return chunk_fault(source, chunk, "the file ends before them", err);
+    return HDR_OK;
+}
+
+/* Reads the chunk table. It is enlarged only as its bytes arrive. */
+static hdr_status read_table(struct exr_source *source, hdr_error *err) {
+    const char *name = hdr_input_name(source->input);
+    int64_t file_size = hdr_input_size(source->input);
+    if (file_size >= 0 && (source->header.table_offset > (uint64_t)file_size ||
+                           (uint64_t)source->chunks > ((uint64_t)file_size - source->header.table_offset) / 8))
+        return hdr_fail(err, HDR_BAD_DATA, "%s: the header asks for %lld x %lld pixels, more than the file can hold",
+                        name, (long long)source->header.width, (long long)source->header.height);
+    for (int64_t done = 0; done < source->chunks;) {
+        int64_t step = source->chunks - done < TABLE_STEP ? source->chunks - done : TABLE_STEP;
+        uint64_t *grown = hdr_grow(source->table, (size_t)(done + step), sizeof *grown);
+        if (!grown) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+        source->table = grown;
+        int64_t count = hdr_input_read(source->input, grown + done, (uint64_t)step * 8,
+                                       source->header.table_offset + 8 * (uint64_t)done, err);
+        if (count < 0) return HDR_IO;
+        if (count < step * 8) return hdr_fail(err, HDR_BAD_DATA, "%s: the file ends within its chunk table", name);
+        for (int64_t i = done; i < done + step; i++)
+            grown[i] = little_endian_64((const unsigned char *)&grown[i]);
+        done += step;
+    }
+    return HDR_OK;
+}
+
+/* ---- Decoding
+ * -------------------------------------------------------------------------------------------------------- */
+
+/* Reads a chunk and unpacks it to place bytes behind the start of the worker's chunk buffer, which room bytes are
+ * enough for. The buffer gets that room only when the packed bytes have come and may well hold what they claim to. */
+static hdr_status decode_chunk(struct exr_source *source, struct exr_worker *worker, hdr_exr_chunk *chunk, size_t room,
+                               size_t place, hdr_error *err) {
+    uint64_t offset = 0;
+    hdr_status status = read_leader(source, chunk, &offset, err);
+    if (status != HDR_OK) return status;
+    /* Where packing gains nothing, a writer stores the pixels as they are. (OpenEXRCore does not believe that of B44;
+     * the C++ library, which wrote most files, holds to it.) */
+    bool packed = chunk->packed_size != chunk->size;
+    if (packed) {
+        if (!buffer_room(&worker->packed, chunk->packed_size)) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+        status = read_bytes(source, chunk, worker->packed.bytes, chunk->packed_size, offset, err);
+        if (status != HDR_OK) return status;
+    }
+    if (!buffer_room(&worker->chunk, room)) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+    unsigned char *out = worker->chunk.bytes + place;
+    if (!packed) return read_bytes(source, chunk, out, chunk->size, offset, err);
+    if (!hdr_exr_unpack(worker->unpacker, chunk, worker->packed.bytes, out))
+        return chunk_fault(source, chunk, "their packed data is damaged", err);
+    return HDR_OK;
+}
+
+/* Lines that are stored unpacked and one behind the other can be read at once, leaders and all, and used where they
+ * stand. False: these are not, or something is wrong with them, which reading them one by one will tell. */
+static bool read_stored_lines(struct exr_source *source, struct exr_worker *worker, const hdr_block *block) {
+    size_t pitch = LEADER_LINES + source->row_bytes, size = pitch * (size_t)block->rows;
+    const uint64_t *table = source->table + block->first_row;
+    int64_t file_size = hdr_input_size(source->input);
+    if (source->header.compression != EXR_COMPRESSION_NONE ||
+        table[0] < source->header.table_offset + 8 * (uint64_t)source->chunks)
+        return false;
+    for (int i = 1; i < block->rows; i++)
+        if (table[i] - table[i - 1] != pitch) return false;
+    if (file_size >= 0 && (table[0] > (uint64_t)file_size || size > (uint64_t)file_size - table[0])) return false;
+    if (!buffer_room(&worker->chunk, size)) return false;
+    if (hdr_input_read(source->input, worker->chunk.bytes, size, table[0], NULL) != (int64_t)size) return false;
+    for (int i = 0; i < block->rows; i++) {
+        const unsigned char *leader = worker->chunk.bytes + pitch * (size_t)i;
+        int line = source->header.picture.data.min_y + block->first_row + i;
+        if (little_endian_32(leader) != (uint32_t)line || little_endian_32(leader + 4) != source->row_bytes)
+            return false;
+    }
+    return true;
+}
+
+/* Where plane p stands in the worker's plane buffer, and in all (p = 4) how large that is. Each begins aligned. */
+static size_t plane_place(const struct exr_source *source, int p, int rows) {
+    size_t place = 0;
+    for (int i = 0; i < p; i++)
+        if (source->header.picture.present[i]) place += (source->plane_bytes[i] * (size_t)rows + 63) / 64 * 64;
+    return place;
+}
+
+/* Points the block's planes to where rows over all channels begin; those that are not aligned there are copied. */
+static hdr_status set_planes_of_lines(struct exr_source *source, struct exr_worker *worker, const unsigned char *rows,
+                                      size_t pitch, hdr_block *block, hdr_error *err) {
+    const hdr_exr_header *header = &source->header;
+    for (int p = 0; p < 4; p++) {
+        if (!header->picture.present[p]) continue;
+        const unsigned char *from = rows + header->before[p] * (size_t)header->width;
+        if (source->in_place[p]) {
+            block->plane[p] = from;
+            block->stride[p] = pitch;
+            continue;
+        }
+        if (!buffer_room(&worker->planes, plane_place(source, 4, block->rows)))
+            return hdr_fail(err, HDR_INTERNAL, "out of memory");
+        unsigned char *to = worker->planes.bytes + plane_place(source, p, block->rows);
+        for (int i = 0; i < block->rows; i++)
+            memcpy(to + source->plane_bytes[p] * (size_t)i, from + pitch * (size_t)i, source->plane_bytes[p]);
+        block->plane[p] = to;
+        block->stride[p] = source->plane_bytes[p];
+    }
+    return HDR_OK;
+}
+
+static hdr_status read_lines(struct exr_source *source, struct exr_worker *worker, hdr_block *block, hdr_error *err) {
+    if (read_stored_lines(source, worker, block))
+        return set_planes_of_lines(source, worker, worker->chunk.bytes + LEADER_LINES, LEADER_LINES + source->row_bytes,
+                                   block, err);
+    int chunk_rows = source->header.chunk_rows;
+    for (int row = 0; row < block->rows; row += chunk_rows) {
+        hdr_exr_chunk chunk = chunk_at(source, (block->first_row + row) / chunk_rows);
+        hdr_status status = decode_chunk(source, worker, &chunk, source->row_bytes * (size_t)block->rows,
+                                         source->row_bytes * (size_t)row, err);
+        if (status != HDR_OK) return status;
+    }
+    return set_planes_of_lines(source, worker, worker->chunk.bytes, source->row_bytes, block, err);
+}
+
+/* Copies the planes of a decoded tile to their columns of the band. */
+static void place_tile(const struct exr_source *source, const struct exr_worker *worker, const hdr_exr_chunk *tile) {
+    const hdr_exr_header *header = &source->header;
+    size_t tile_pitch = header->pixel_bytes * (size_t)tile->width;
+    size_t column = (size_t)tile->x * (size_t)header->tile_width;
+    for (int p = 0; p < 4; p++) {
+        if (!header->picture.present[p]) continue;
+        size_t size = hdr_type_size(header->picture.channels[p].type);
+        const unsigned char *from = worker->chunk.bytes + header->before[p] * (size_t)tile->width;
+        unsigned char *to = worker->planes.bytes + plane_place(source, p, tile->height) + column * size;
+        for (int i = 0; i < tile->height; i++)
+            memcpy(to + source->plane_bytes[p] * (size_t)i, from + tile_pitch * (size_t)i, (size_t)tile->width * size);
+    }
+}
+
+static hdr_status read_tiles(struct exr_source *source, struct exr_worker *worker, hdr_block *block, hdr_error *err) {
+    int64_t first = block->first_row / source->header.chunk_rows * source->tiles_across;
+    for (int64_t across = 0; across < source->tiles_across; across++) {
+        hdr_exr_chunk tile = chunk_at(source, first + across);
+        hdr_status status = decode_chunk(source, worker, &tile, tile.size, 0, err);
+        if (status != HDR_OK) return status;
+        if (!buffer_room(&worker->planes, plane_place(source, 4, block->rows)))
+            return hdr_fail(err, HDR_INTERNAL, "out of memory");
+        place_tile(source, worker, &tile);
+    }
+    for (int p = 0; p < 4; p++) {
+        if (!source->header.picture.present[p]) continue;
+        block->plane[p] = worker->planes.bytes + plane_place(source, p, block->rows);
+        block->stride[p] = source->plane_bytes[p];
+    }
+    return HDR_OK;
+}
+
+/* ---- The source
+ * ------------------------------------------------------------------------------------------------------ */
+
+static void worker_free(hdr_source *base, void *worker) {
+    (void)base;
+    struct exr_worker *own = worker;
+    if (!own) return;
+    hdr_exr_unpacker_free(own->unpacker);
+    free(own->packed.bytes);
+    free(own->chunk.bytes);
+    free(own->planes.bytes);
+    free(own);
+}
+
+static hdr_status worker_new(hdr_source *base, void **worker, hdr_error *err) {
+    struct exr_source *source = (struct exr_source *)base;
+    struct exr_worker *own = hdr_alloc(1, sizeof *own);
+    *worker = NULL;
+    if (!own) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+    own->unpacker = hdr_exr_unpacker_new(&source->header, err);
+    if (!own->unpacker) {
+        worker_free(base, own);
+        return HDR_INTERNAL;
+    }
+    *worker = own;
+    return HDR_OK;
+}
+
+static hdr_status read_block(hdr_source *base, void *worker, int index, hdr_block *block, hdr_error *err) {
+    struct exr_source *source = (struct exr_source *)base;
+    int64_t first = (int64_t)index * base->block_rows, left = source->header.height - first;
+    *block = (hdr_block){.first_row = (int)first, .rows = (int)(left < base->block_rows ? left : base->block_rows)};
+    for (int p = 0; p < 4; p++)
+        block->type[p] = source->header.picture.channels[p].type;
+    return source->header.tiled ? read_tiles(source, worker, block, err) : read_lines(source, worker, block, err);
+}
+
+static void close_source(hdr_source *base) {
+    struct exr_source *source = (struct exr_source *)base;
+    hdr_exr_header_free(&source->header);
+    free(source->table);
+    free(source);
+}
+
+/* Divides the picture into chunks and blocks, and refuses a size that one block of would not fit the memory allowed. */
+static hdr_status lay_out(struct exr_source *source, uint64_t memory, hdr_error *err) {
+    const hdr_exr_header *header = &source->header;
+    int64_t width = header->width, height = header->height;
+    int chunk_rows = header->chunk_rows;
+    source->tiles_across = header->tiled ? (width + header->tile_width - 1) / header->tile_width : 1;
+    source->chunks = (height + chunk_rows - 1) / chunk_rows * source->tiles_across;
+    int block_rows = header->tiled || chunk_rows >= LEAST_BLOCK_ROWS ? chunk_rows : LEAST_BLOCK_ROWS;
+    uint64_t row_bytes = (uint64_t)width * header->pixel_bytes;
+    uint64_t held_rows = (uint64_t)(height < block_rows ? height : block_rows);
+    uint64_t band_bytes = 0, chunk_bytes = 0;
+    uint64_t chunk_width = (uint64_t)(header->tiled ? header->tile_width : width);
+    if (__builtin_mul_overflow(row_bytes, held_rows, &band_bytes) || band_bytes > memory ||
+        __builtin_mul_overflow(chunk_width * header->pixel_bytes, (uint64_t)chunk_rows, &chunk_bytes) ||
+        (chunk_bytes > INT32_MAX && band_bytes > INT32_MAX) || source->chunks > INT32_MAX)
+        return hdr_fail(
+            err, HDR_BAD_DATA,
+            "%s: the header asks for %lld x %lld pixels of %zu bytes: %lld rows at once do not fit the memory allowed",
+            hdr_input_name(source->input), (long long)width, (long long)height, header->pixel_bytes,
+            (long long)held_rows);
+    source->row_bytes = (size_t)row_bytes;
+    source->base.block_rows = block_rows;
+    source->base.blocks = (int)((height + block_rows - 1) / block_rows);
+    for (int p = 0; p < 4; p++) {
+        size_t size = hdr_type_size(header->picture.channels[p].type);
+        source->plane_bytes[p] = size * (size_t)width;
+        source->in_place[p] = header->before[p] * (size_t)width % size == 0 && source->row_bytes % size == 0;
+    }
+    return HDR_OK;
+}
+
+hdr_source *hdr_exr_open(hdr_input *input, uint64_t memory, hdr_error *err) {
+    struct exr_source *source = hdr_alloc(1, sizeof *source);
+    if (!source) {
+        hdr_fail(err, HDR_INTERNAL, "out of memory");
+        return NULL;
+    }
+    source->input = input;
+    source->base.worker_new = worker_new;
+    source->base.read = read_block;
+    source->base.worker_free = worker_free;
+    source->base.close = close_source;
+    hdr_status status = hdr_exr_header_read(input, &source->header, err);
+    if (status == HDR_OK) status = lay_out(source, memory, err);
+    if (status == HDR_OK) status = read_table(source, err);
+    if (status != HDR_OK) {
+        close_source(&source->base);
+        return NULL;
+    }
+    source->base.picture = source->header.picture;
+    return &source->base;
+}

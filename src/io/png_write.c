@@ -1,0 +1,371 @@
+/* The PNG sink. libpng writes what stands around the pixels; the pixels' own chunks are made here: each band of rows is
+ * filtered and deflated by itself, on the thread that computed it, ends with a full flush, and becomes one IDAT chunk,
+ * so that the bands joined are one zlib stream. The bytes depend on where the bands begin and end, not on threads. */
+#include "io/sink.h"
+
+#include "kernel/pngfilter.h"
+
+#include <isa-l/igzip_lib.h>
+#include <libdeflate.h>
+#include <math.h>
+#include <png.h>
+#include <setjmp.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    CHUNK_HEAD = 8, /* length and type */
+    CHUNK_TAIL = 4, /* CRC */
+    ZLIB_HEAD = 2,
+    ADLER_BYTES = 4,
+    DEFLATE_LEVEL = 1
+};
+
+static const uint32_t adler_base = 65521;            /* the largest prime below 2^16 (RFC 1950) */
+static const size_t deflate_piece = (size_t)1 << 30; /* ISA-L counts in 32 bits */
+
+typedef struct png_sink {
+    hdr_sink sink; /* first, so that the one pointer is the other */
+    png_structp png;
+    png_infop info;
+    uint64_t offset; /* where the next byte of the file goes */
+    uint32_t adler;  /* of all filtered rows delivered */
+    hdr_error *err;  /* of the call of libpng that is under way */
+    hdr_status status;
+} png_sink;
+
+/* One band: chunk head, zlib head (first band), deflated rows; deliver adds the Adler sum (last band) and the CRC. */
+typedef struct png_packer {
+    struct isal_zstream stream;
+    uint8_t *level_buffer;
+    uint8_t *filtered, *packed;
+    size_t filtered_room, packed_room;
+    size_t filtered_size, packed_size;
+    uint32_t adler, crc;
+    bool last;
+} png_packer;
+
+static int frame_depth(const hdr_frame *frame) {
+    return frame->sample == HDR_SAMPLE_U8 ? 8 : 16;
+}
+
+/* ---- Around the pixels: libpng
+ * ---------------------------------------------------------------------------------------- */
+
+static void on_png_error(png_structp png, png_const_charp message) {
+    png_sink *self = png_get_error_ptr(png);
+    if (self->status == HDR_OK)
+        self->status = hdr_fail(self->err, HDR_INTERNAL, "%s: libpng: %s", hdr_output_name(self->sink.output), message);
+    png_longjmp(png, 1);
+}
+
+static void on_png_warning(png_structp png, png_const_charp message) {
+    (void)png, (void)message;
+}
+
+static void on_png_write(png_structp png, png_bytep data, size_t size) {
+    png_sink *self = png_get_io_ptr(png);
+    self->status = hdr_output_write(self->sink.output, data, size, self->offset, self->err);
+    if (self->status != HDR_OK) png_error(png, "write failed");
+    self->offset += size;
+}
+
+static void on_png_flush(png_structp png) {
+    (void)png;
+}
+
+/* Calls a step that uses libpng, whose way of failing is to jump: it jumps to here and no further. */
+static hdr_status guarded(png_sink *self, void (*step)(png_sink *self), hdr_error *err) {
+    self->err = err;
+    self->status = HDR_OK;
+    if (setjmp(png_jmpbuf(self->png)) == 0) step(self);
+    self->err = NULL;
+    return self->status;
+}
+
+static void put_be32(uint8_t *out, uint32_t value) {
+    for (int i = 0; i < 4; i++)
+        out[i] = (uint8_t)(value >> (24 - 8 * i));
+}
+
+/* A colour chunk's number: 100000 times the value. False where the chunk has no room for it (ACES primaries lie below
+ * 0). */
+static bool chunk_fraction(double value, uint8_t out[4]) {
+    double scaled = floor(value * 100000 + 0.5);
+    if (!(scaled >= 0 && scaled <= PNG_UINT_31_MAX)) return false;
+    put_be32(out, (uint32_t)scaled);
+    return true;
+}
+
+/* Written without libpng's help, which judges chromaticities and would refuse some that files have. */
+static void write_chromaticities(png_sink *self) {
+    const hdr_chromaticities *c = &self->sink.frame.chromaticities;
+    const double *point[4] = {c->white, c->red, c->green, c->blue};
+    uint8_t data[32];
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 2; j++)
+            if (!chunk_fraction(point[i][j], data + 8 * i + 4 * j)) return;
+    png_write_chunk(self->png, (png_const_bytep) "cHRM", data, sizeof data);
+}
+
+static void write_gamma(png_sink *self, double encoding_exponent) {
+    uint8_t data[4];
+    if (chunk_fraction(encoding_exponent, data))
+        png_write_chunk(self->png, (png_const_bytep) "gAMA", data, sizeof data);
+}
+
+static bool near(const double a[2], double x, double y) {
+    return fabs(a[0] - x) <= 1e-5 && fabs(a[1] - y) <= 1e-5;
+}
+
+/* ITU-T H.273's code for the frame's primaries; 0: none. */
+static uint8_t primaries_code(const hdr_frame *frame) {
+    static const struct {
+        uint8_t code;
+        double red[2], green[2], blue[2], white[2];
+    } known[] = {
+        {9, {0.708, 0.292}, {0.170, 0.797}, {0.131, 0.046}, {0.3127, 0.3290}},  /* BT.2020 */
+        {11, {0.680, 0.320}, {0.265, 0.690}, {0.150, 0.060}, {0.314, 0.351}},   /* SMPTE RP 431-2 */
+        {12, {0.680, 0.320}, {0.265, 0.690}, {0.150, 0.060}, {0.3127, 0.3290}}, /* SMPTE EG 432-1 */
+    };
+    const hdr_chromaticities *c = &frame->chromaticities;
+    if (!frame->has_chromaticities) return 1;
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
+        if (near(c->red, known[i].red[0], known[i].red[1]) && near(c->green, known[i].green[0], known[i].green[1]) &&
+            near(c->blue, known[i].blue[0], known[i].blue[1]) && near(c->white, known[i].white[0], known[i].white[1]))
+            return known[i].code;
+    return 0;
+}
+
+/* ITU-T H.273's code for a transfer function that only cICP can name; 0: none. */
+static uint8_t transfer_code(const char *state) {
+    return strcmp(state, "rec709") == 0 ? 1 : strcmp(state, "pq") == 0 ? 16 : strcmp(state, "hlg") == 0 ? 18 : 0;
+}
+
+static void write_coding_points(png_sink *self, uint8_t transfer) {
+    uint8_t data[4] = {primaries_code(&self->sink.frame), transfer, 0 /* RGB */, 1 /* full range */};
+    if (data[0] != 0) png_write_chunk(self->png, (png_const_bytep) "cICP", data, sizeof data);
+}
+
+/* What the codes mean: the transfer function, and the primaries where they are not Rec.709's. */
+static void write_colour(png_sink *self) {
+    const hdr_frame *frame = &self->sink.frame;
+    uint8_t transfer = transfer_code(frame->state);
+    if (transfer != 0)
+        write_coding_points(self, transfer);
+    else if (strcmp(frame->state, "linear") == 0)
+        write_gamma(self, 1);
+    else if (strncmp(frame->state, "gamma", 5) == 0)
+        write_gamma(self, 1 / frame->gamma);
+    else if (strcmp(frame->state, "srgb") == 0 && frame->has_chromaticities)
+        write_gamma(self, 1 / 2.2);
+    if (frame->has_chromaticities) write_chromaticities(self);
+}
+
+static void set_significant_bits(png_sink *self) {
+    const hdr_frame *frame = &self->sink.frame;
+    if (frame->bits >= frame_depth(frame)) return;
+    png_byte bits = (png_byte)frame->bits;
+    png_color_8 significant = {.red = bits, .green = bits, .blue = bits, .gray = bits, .alpha = bits};
+    png_set_sBIT(self->png, self->info, &significant);
+}
+
+static void write_head(png_sink *self) {
+    const hdr_frame *frame = &self->sink.frame;
+    int colour = (frame->planes == 3 ? PNG_COLOR_MASK_COLOR : 0) | (frame->alpha ? PNG_COLOR_MASK_ALPHA : 0);
+    png_set_user_limits(self->png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* libpng's own are a million */
+    png_set_IHDR(self->png, self->info, (png_uint_32)frame->width, (png_uint_32)frame->height, frame_depth(frame),
+                 colour, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    set_significant_bits(self);
+    if (strcmp(frame->state, "srgb") == 0 && !frame->has_chromaticities)
+        png_set_sRGB_gAMA_and_cHRM(self->png, self->info, PNG_sRGB_INTENT_PERCEPTUAL);
+    png_write_info_before_PLTE(self->png, self->info);
+    write_colour(self);
+    png_write_info(self->png, self->info);
+}
+
+/* Not png_write_end, which knows nothing of IDAT chunks that it did not write. */
+static void write_tail(png_sink *self) {
+    png_write_chunk(self->png, (png_const_bytep) "IEND", NULL, 0);
+}
+
+static hdr_status png_begin(hdr_sink *sink, hdr_error *err) {
+    png_sink *self = (png_sink *)sink;
+    return guarded(self, write_head, err);
+}
+
+static hdr_status png_end(hdr_sink *sink, hdr_error *err) {
+    png_sink *self = (png_sink *)sink;
+    return guarded(self, write_tail, err);
+}
+
+/* ---- The pixels
+ * ------------------------------------------------------------------------------------------------------- */
+
+static hdr_status png_packer_new(hdr_sink *sink, void **packer, hdr_error *err) {
+    png_packer *self = hdr_alloc(1, sizeof *self);
+    if (self) self->level_buffer = hdr_alloc(1, ISAL_DEF_LVL1_DEFAULT);
+    if (!self || !self->level_buffer) {
+        free(self);
+        return hdr_fail(err, HDR_INTERNAL, "%s: out of memory", hdr_output_name(sink->output));
+    }
+    *packer = self;
+    return HDR_OK;
+}
+
+static void png_packer_free(hdr_sink *sink, void *packer) {
+    png_packer *self = packer;
+    (void)sink;
+    if (!self) return;
+    free(self->level_buffer);
+    free(self->filtered);
+    free(self->packed);
+    free(self);
+}
+
+static hdr_status make_room(const hdr_sink *sink, uint8_t **buffer, size_t *room, size_t size, hdr_error *err) {
+    if (size <= *room) return HDR_OK;
+    uint8_t *grown = hdr_grow(*buffer, size, 1);
+    if (!grown) return hdr_fail(err, HDR_INTERNAL, "%s: out of memory", hdr_output_name(sink->output));
+    *buffer = grown;
+    *room = size;
+    return HDR_OK;
+}
+
+/* Each row leaves with its filter type, 1 for Sub, in front. */
+static hdr_status filter_band(const hdr_sink *sink, png_packer *packer, int rows, const void *samples, hdr_error *err) {
+    const hdr_frame *frame = &sink->frame;
+    size_t row_bytes = hdr_frame_row_bytes(frame), channels = (size_t)hdr_frame_channels(frame);
+    packer->filtered_size = (row_bytes + 1) * (size_t)rows;
+    if (make_room(sink, &packer->filtered, &packer->filtered_room, packer->filtered_size, err) != HDR_OK)
+        return HDR_INTERNAL;
+    const uint8_t *in = samples;
+    uint8_t *out = packer->filtered;
+    for (int row = 0; row < rows; row++, in += row_bytes, out += row_bytes + 1) {
+        out[0] = PNG_FILTER_VALUE_SUB;
+        if (frame->sample == HDR_SAMPLE_U8)
+            hdr_png_sub_8(out + 1, in, row_bytes, channels);
+        else
+            hdr_png_sub_16(out + 1, (const uint16_t *)in, row_bytes / 2, channels);
+    }
+    return HDR_OK;
+}
+
+/* Room for a deflated band, enough for data that cannot be compressed. A function of the size alone, since ISA-L's
+ * output may depend on the room that it is offered. */
+static size_t deflate_room(size_t size) {
+    return size + size / 8 + 4096;
+}
+
+/* Deflates the filtered band behind what stands in packed. */
+static hdr_status deflate_band(const hdr_sink *sink, png_packer *packer, hdr_error *err) {
+    struct isal_zstream *stream = &packer->stream;
+    size_t left = packer->filtered_size, room = packer->packed_size + deflate_room(left);
+    isal_deflate_init(stream);
+    stream->level = DEFLATE_LEVEL;
+    stream->level_buf = packer->level_buffer;
+    stream->level_buf_size = ISAL_DEF_LVL1_DEFAULT;
+    stream->next_in = packer->filtered;
+    do {
+        if (stream->avail_in == 0) {
+            stream->avail_in = (uint32_t)(left < deflate_piece ? left : deflate_piece);
+            left -= stream->avail_in;
+            stream->flush = left == 0 ? FULL_FLUSH : NO_FLUSH;
+            stream->end_of_stream = left == 0 && packer->last;
+        }
+        if (room - packer->packed_size < deflate_room(0)) room += deflate_room(packer->filtered_size);
+        if (make_room(sink, &packer->packed, &packer->packed_room, room + ADLER_BYTES + CHUNK_TAIL, err) != HDR_OK)
+            return HDR_INTERNAL;
+        size_t offered = room - packer->packed_size;
+        stream->next_out = packer->packed + packer->packed_size;
+        stream->avail_out = (uint32_t)(offered < deflate_piece ? offered : deflate_piece);
+        if (isal_deflate(stream) != COMP_OK)
+            return hdr_fail(err, HDR_INTERNAL, "%s: deflate failed", hdr_output_name(sink->output));
+        packer->packed_size = (size_t)(stream->next_out - packer->packed);
+    } while (left > 0 || stream->avail_in > 0 || stream->avail_out == 0);
+    return HDR_OK;
+}
+
+static hdr_status png_pack(hdr_sink *sink, void *packer, int first_row, int rows, void *samples, hdr_error *err) {
+    png_packer *self = packer;
+    hdr_status status = filter_band(sink, self, rows, samples, err);
+    if (status != HDR_OK) return status;
+    self->last = rows == sink->frame.height - first_row;
+    self->packed_size = CHUNK_HEAD + (first_row == 0 ? ZLIB_HEAD : 0);
+    if ((status = make_room(sink, &self->packed, &self->packed_room, CHUNK_HEAD + ZLIB_HEAD, err)) != HDR_OK)
+        return status;
+    memcpy(self->packed + 4, "IDAT", 4);
+    memcpy(self->packed + CHUNK_HEAD, "\x78\x01", ZLIB_HEAD); /* 32 KiB window, fastest; in later bands overwritten */
+    if ((status = deflate_band(sink, self, err)) != HDR_OK) return status;
+    if (self->packed_size - CHUNK_HEAD > PNG_UINT_31_MAX - ADLER_BYTES)
+        return hdr_fail(err, HDR_BAD_DATA, "%s: rows are too wide for PNG", hdr_output_name(sink->output));
+    self->adler = libdeflate_adler32(1, self->filtered, self->filtered_size);
+    self->crc = libdeflate_crc32(0, self->packed + 4, self->packed_size - 4);
+    return HDR_OK;
+}
+
+/* The Adler sum of two strings joined. A sum's low half is a = 1 + the sum of the bytes, its high half b the sum of all
+ * values a took on the way. The second string by itself began with a = 1; behind the first it begins with the first's
+ * a, so that its a is larger by a1 - 1 after each of its bytes, and b by length times as much (all modulo 65521). */
+static uint32_t adler32_join(uint32_t first, uint32_t second, size_t second_length) {
+    uint64_t a1 = first & 0xffff, b1 = first >> 16, a2 = second & 0xffff, b2 = second >> 16;
+    uint64_t more = (a1 + adler_base - 1) % adler_base;
+    uint64_t a = (a2 + more) % adler_base;
+    uint64_t b = (b1 + b2 + second_length % adler_base * more) % adler_base;
+    return (uint32_t)(b << 16 | a);
+}
+
+static hdr_status png_deliver(hdr_sink *sink, void *packer, hdr_error *err) {
+    png_sink *self = (png_sink *)sink;
+    png_packer *band = packer;
+    self->adler = adler32_join(self->adler, band->adler, band->filtered_size);
+    uint8_t *end = band->packed + band->packed_size;
+    if (band->last) {
+        put_be32(end, self->adler);
+        band->crc = libdeflate_crc32(band->crc, end, ADLER_BYTES);
+        end += ADLER_BYTES;
+    }
+    put_be32(band->packed, (uint32_t)(end - band->packed) - CHUNK_HEAD);
+    put_be32(end, band->crc);
+    end += CHUNK_TAIL;
+    size_t size = (size_t)(end - band->packed);
+    hdr_status status = hdr_output_write(sink->output, band->packed, size, self->offset, err);
+    self->offset += size;
+    return status;
+}
+
+/* ---- The sink
+ * --------------------------------------------------------------------------------------------------------- */
+
+static void png_close(hdr_sink *sink) {
+    png_sink *self = (png_sink *)sink;
+    if (!self) return;
+    png_destroy_write_struct(&self->png, &self->info);
+    free(self);
+}
+
+hdr_sink *hdr_png_create(hdr_output *output, const hdr_frame *frame, hdr_error *err) {
+    png_sink *self = hdr_alloc(1, sizeof *self);
+    if (self) {
+        self->sink = (hdr_sink){.frame = *frame,
+                                .output = output,
+                                .band_multiple = 1,
+                                .begin = png_begin,
+                                .packer_new = png_packer_new,
+                                .pack = png_pack,
+                                .deliver = png_deliver,
+                                .packer_free = png_packer_free,
+                                .end = png_end,
+                                .close = png_close};
+        self->adler = 1;
+        self->png = png_create_write_struct(PNG_LIBPNG_VER_STRING, self, on_png_error, on_png_warning);
+        if (self->png) self->info = png_create_info_struct(self->png);
+    }
+    if (!self || !self->info) {
+        hdr_fail(err, HDR_INTERNAL, "%s: out of memory", hdr_output_name(output));
+        png_close((hdr_sink *)self);
+        return NULL;
+    }
+    png_set_write_fn(self->png, self, on_png_write, on_png_flush);
+    return &self->sink;
+}

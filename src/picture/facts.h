@@ -1,0 +1,63 @@
+/* Facts: numbers about a scene that verbs plan with. They are taken row by row and merged in the order of the rows, so they do not
+ * depend on threads, blocks or the order of completion. */
+#ifndef HDR_FACTS_H
+#define HDR_FACTS_H
+
+#include "base/options.h"
+
+enum {
+    HDR_FACT_COMPONENTS = 1, /* min, max and smallest positive of the colour components */
+    HDR_FACT_LUMINANCE = 2,  /* min, max and smallest positive Y, lit pixels, log-average */
+    HDR_FACT_CHANNELS = 4,   /* min and max of each channel, alpha included; negative components, pixels with colour that are not lit */
+};
+
+/* Of which values a percentile is taken, each rounded to float32. */
+typedef enum hdr_population {
+    HDR_OF_COMPONENTS, /* all colour components */
+    HDR_OF_LUMINANCE,  /* Y of all pixels */
+    HDR_OF_LIT,        /* Y of lit pixels, held to at least 2^-149 */
+    HDR_POPULATIONS
+} hdr_population;
+
+#define HDR_MAX_PERCENTILES 10
+
+/* What a verb, or stats, asks for. */
+typedef struct hdr_request {
+    unsigned facts; /* HDR_FACT_... */
+    int percentiles;
+    struct {
+        hdr_population of;
+        hdr_decimal percent;
+    } percentile[HDR_MAX_PERCENTILES];
+} hdr_request;
+
+/* What was found; fields are valid where `known` has their bit. */
+typedef struct hdr_facts {
+    unsigned known;
+    uint64_t pixels, lit;
+    double min_component, max_component, min_positive_component; /* the last: 0 when none is positive */
+    double min_luminance, max_luminance, min_lit;                /* min_lit: 0 when nothing is lit */
+    double log_average;                                          /* exp(mean ln Y) over lit pixels; 0 when nothing is lit */
+    double channel_min[4], channel_max[4];                       /* R G B (or Y) and, in [3], alpha */
+    uint64_t negative, unlit_colour;
+    double percentile[HDR_MAX_PERCENTILES]; /* in the order of the request; 0 for an empty population */
+} hdr_facts;
+
+/* A taking of facts: one or two sweeps over all rows of the data window (two where percentiles are asked for). */
+typedef struct hdr_taking hdr_taking;
+hdr_taking *hdr_taking_new(const hdr_request *request, int height, int threads, hdr_error *err);
+void hdr_taking_free(hdr_taking *taking);
+
+/* Forgets what the sweep under way has taken: it starts again. */
+void hdr_taking_restart(hdr_taking *taking);
+
+/* A strip of a row: its pixels after all steps before the clause. The strips of a row come from left to right on one thread; all
+ * but the last have a multiple of 8 pixels. y: luminance. alpha may be NULL; planes 1 or 3. */
+void hdr_taking_strip(hdr_taking *taking, int thread, int row, const double *const c[3], int planes, const double *y,
+                      const double *alpha, size_t count);
+void hdr_taking_row_end(hdr_taking *taking, int thread, int row);
+
+/* After each sweep. True: another is needed. Then false, and the facts are complete. */
+bool hdr_taking_next(hdr_taking *taking, hdr_facts *facts);
+
+#endif

@@ -1,0 +1,56 @@
+/* Ends a chain: an OpenEXR file. */
+#include "verb/verb.h"
+
+typedef struct exr_params {
+    int type;        /* index into types: hdr_type */
+    int compression; /* hdr_compression */
+} exr_params;
+
+static const char *const types[] = {"half", "float", NULL};
+
+static const hdr_option options[] = {{.name = "type",
+                                      .type = HDR_OPTION_CHOICE,
+                                      .offset = offsetof(exr_params, type),
+                                      .metavar = "TYPE",
+                                      .words = types,
+                                      .default_value = "float",
+                                      .help = "type of the channels"},
+                                     {.name = "compression",
+                                      .type = HDR_OPTION_CHOICE,
+                                      .offset = offsetof(exr_params, compression),
+                                      .metavar = "METHOD",
+                                      .words = hdr_compression_names,
+                                      .default_value = "zip",
+                                      .help = "compression of the pixels"},
+                                     {0}};
+
+static hdr_sample sample(const void *params, int bits) {
+    (void)bits;
+    const exr_params *p = params;
+    return p->type == HDR_HALF ? HDR_SAMPLE_HALF : HDR_SAMPLE_FLOAT;
+}
+
+static hdr_sink *create(const void *params, hdr_output *output, const hdr_frame *frame, hdr_error *err) {
+    const exr_params *p = params;
+    return hdr_exr_create(output, frame, (hdr_compression)p->compression, err);
+}
+
+static const hdr_format format = {.extension = ".exr", .alpha = true, .sample = sample, .create = create};
+
+static const char *const examples[] = {"hdr expose --ev 2 then exr --type half --compression piz -o OUT.exr IN.exr",
+                                       "hdr exp then exr -o - IN.exr > OUT.exr", NULL};
+
+const hdr_verb hdr_verb_exr = {
+    .about = {.name = "exr",
+              .summary = "write an OpenEXR file",
+              .details =
+                  "Ends a chain: scan lines of R, G, B (or Y where the picture has one plane) and, where there is one, associated alpha. "
+                  "The attribute hdrpipeState tells whether the values are linear or encoded, so that reading the file back cannot "
+                  "encode it twice. Nothing else about the chain, the command line or the machine is written.\n\n"
+                  "pxr24, b44 and b44a lose precision; the others keep every bit.",
+              .examples = examples,
+              .options = options,
+              .kind = HDR_FORMAT},
+    .params_size = sizeof(exr_params),
+    .format = &format,
+};

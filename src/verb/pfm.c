@@ -1,0 +1,30 @@
+/* Ends a chain: a PFM file. */
+#include "verb/verb.h"
+
+static const hdr_option options[] = {{0}};
+
+static hdr_sample sample(const void *params, int bits) {
+    (void)params;
+    (void)bits;
+    return HDR_SAMPLE_FLOAT;
+}
+
+static hdr_sink *create(const void *params, hdr_output *output, const hdr_frame *frame, hdr_error *err) {
+    (void)params;
+    return hdr_pfm_create(output, frame, err);
+}
+
+static const hdr_format format = {.extension = ".pfm", .sample = sample, .create = create};
+
+static const char *const examples[] = {"hdr expose --ev -1 then pfm -o OUT.pfm IN.exr", NULL};
+
+const hdr_verb hdr_verb_pfm = {
+    .about = {.name = "pfm",
+              .summary = "write a PFM file",
+              .details = "Ends a chain: float32 in little-endian order, rows from bottom to top, grey (Pf) where the picture has one plane, else "
+                         "colour (PF). PFM has no alpha: colour is written as an EXR would hold it, over black.",
+              .examples = examples,
+              .options = options,
+              .kind = HDR_FORMAT},
+    .format = &format,
+};

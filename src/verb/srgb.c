@@ -1,0 +1,64 @@
+/* The transfer curve of sRGB. */
+#include "kernel/real.h"
+#include "verb/verb.h"
+
+#include <stdio.h>
+
+typedef struct srgb_params {
+    bool decode, force;
+} srgb_params;
+
+static const hdr_option options[] = {{.name = "decode",
+                                      .type = HDR_OPTION_FLAG,
+                                      .offset = offsetof(srgb_params, decode),
+                                      .help = "the inverse: from encoded to linear"},
+                                     {.name = "force",
+                                      .type = HDR_OPTION_FLAG,
+                                      .offset = offsetof(srgb_params, force),
+                                      .help = "encode even what is encoded already"},
+                                     {0}};
+
+/* IEC 61966-2-1:1999, 5.2: C' = 12.92 C for C <= 0.0031308, else 1.055 C^(1/2.4) - 0.055. */
+HDR_INLINE double srgb_encode_of(const hdr_constants *k, double c) {
+    (void)k;
+    bool linear = c <= 0.0031308;
+    double above = linear ? 1 : c;
+    double curved = 1.055 * hdr_pow(above, 1 / 2.4) - 0.055;
+    return linear ? 12.92 * c : curved;
+}
+HDR_CURVE(srgb_encode)
+
+/* The inverse: C' = C / 12.92 for C <= 0.04045, else ((C + 0.055) / 1.055)^2.4. */
+HDR_INLINE double srgb_decode_of(const hdr_constants *k, double c) {
+    (void)k;
+    bool linear = c <= 0.04045;
+    double above = linear ? 1 : c;
+    double curved = hdr_pow((above + 0.055) / 1.055, 2.4);
+    return linear ? c / 12.92 : curved;
+}
+HDR_CURVE(srgb_decode)
+
+static hdr_verdict plan(const void *params, const hdr_scene *scene, hdr_step *step, hdr_error *err) {
+    const srgb_params *p = params;
+    if (!p->decode && hdr_check_linear(scene, p->force, err)) return HDR_REFUSE;
+    step->form = HDR_FORM_CHANNEL;
+    step->curve = p->decode ? &srgb_decode : &srgb_encode;
+    snprintf(step->state, sizeof step->state, "%s", p->decode ? "linear" : "srgb");
+    return HDR_RUN;
+}
+
+static const char *const examples[] = {"hdr exp then srgb then png -o OUT.png IN.exr",
+                                       "hdr srgb --decode -o OUT.exr IN.exr", NULL};
+
+const hdr_verb hdr_verb_srgb = {
+    .about = {.name = "srgb",
+              .summary = "encode by the sRGB curve",
+              .details = "IEC 61966-2-1: C' = 12.92 C for C <= 0.0031308, else 1.055 C^(1/2.4) - 0.055. With --decode the inverse: C' = C / 12.92 "
+                         "for C <= 0.04045, else ((C + 0.055) / 1.055)^2.4. Negative components keep the linear branch.\n\n"
+                         "A picture that is encoded already is refused unless --force is given.",
+              .examples = examples,
+              .options = options,
+              .kind = HDR_FILTER},
+    .params_size = sizeof(srgb_params),
+    .plan = plan,
+};

@@ -1,0 +1,134 @@
+/* A verb: one step of a chain. One file a verb: its option table, its plan, its formula. verbs.def lists them; adding a verb is one
+ * file and one line. See skeleton.c for a commented template. A verb knows nothing of files, threads or its neighbours. */
+#ifndef HDR_VERB_H
+#define HDR_VERB_H
+
+#include "base/cpu.h"
+#include "base/options.h"
+#include "io/sink.h"
+#include "picture/facts.h"
+
+typedef struct hdr_verb hdr_verb;
+
+/* The numbers of a formula, as plan() resolved them. Each verb says what its are. */
+typedef struct hdr_constants {
+    double v[6];
+} hdr_constants;
+
+/* A formula on one number, in double: once for one value (the oracle, and the search for thresholds), once for a row of them. Both are
+ * compiled from the same inline function, see HDR_CURVE, so they agree bit for bit. A curve is defined for every double within
+ * float's range, negative ones too, and never gives a NaN; luminance curves give 0 for Y <= 0. It is monotone. */
+typedef struct hdr_curve {
+    double (*exact)(const hdr_constants *constants, double value);
+    void (*rows)(const hdr_constants *constants, double *values, size_t count); /* in place */
+    bool monotone_to_the_bit; /* rounding cannot make it fall, as it may that of a logarithm by an ulp */
+} hdr_curve;
+
+/* HDR_CURVE(name) makes the curve `name` of the function
+ *     HDR_INLINE double name_of(const hdr_constants *k, double value)
+ * that stands above it. */
+#define HDR_CURVE(name) HDR_CURVE_OF(name, false)
+/* The same of a function that is monotone to the last bit: one rounded operation after another, each monotone. */
+#define HDR_CURVE_MONOTONE(name) HDR_CURVE_OF(name, true)
+#define HDR_CURVE_OF(name, monotone)                                                                                   \
+    HDR_INLINE void name##_rows_body(const hdr_constants *constants, double *values, size_t count) {                   \
+        const hdr_constants k = *constants; /* a copy: nothing that is stored can change it */                         \
+        for (size_t i = 0; i < count; i++) values[i] = name##_of(&k, values[i]);                                       \
+    }                                                                                                                  \
+    HDR_VERSIONS_IN(static, name##_rows, (const hdr_constants *constants, double *values, size_t count),               \
+                    (constants, values, count))                                                                        \
+    static double name##_exact(const hdr_constants *constants, double value) {                                         \
+        return name##_of(constants, value);                                                                            \
+    }                                                                                                                  \
+    static const hdr_curve name = {name##_exact, name##_rows, monotone};
+
+/* What a step does with its formula f. */
+typedef enum hdr_form {
+    HDR_FORM_CHANNEL,   /* C' = f(C), each colour channel by itself */
+    HDR_FORM_LUMINANCE, /* Ld = f(Y), C' = (C/Y)^saturation Ld; 0 where Y <= 0 */
+    HDR_FORM_MATRIX     /* (R',G',B') = M (R,G,B) */
+} hdr_form;
+
+/* A clause resolved against the facts. */
+typedef struct hdr_step {
+    const hdr_verb *verb;
+    int clause; /* 1 for the first */
+    hdr_form form;
+    const hdr_curve *curve;
+    hdr_constants constants;
+    double saturation;   /* HDR_FORM_LUMINANCE */
+    double luminance[3]; /* weights of Y where the step stands; filled by the chain */
+    double matrix[9];    /* HDR_FORM_MATRIX, by rows */
+    char state[64];      /* not empty: what the pixels are afterwards, "linear", "srgb", "gamma 2.2" */
+    int bits;            /* above 0: the pixels are quantised to that many bits afterwards */
+    char note[240];      /* for --explain: the constants, or the reason of a skip */
+} hdr_step;
+
+/* What plan() may know. */
+typedef struct hdr_scene {
+    hdr_facts facts;  /* what needs() asked for, and nothing else, or what happens to be known of it beforehand */
+    const char *state; /* what the pixels are: "linear", or the encoding's name */
+} hdr_scene;
+
+typedef enum hdr_verdict {
+    HDR_RUN,
+    HDR_SKIP,  /* doing it would give the same pixels bit for bit; the step must be filled all the same (--no-skip) */
+    HDR_REFUSE /* err is filled */
+} hdr_verdict;
+
+/* What a format verb provides. */
+typedef struct hdr_format {
+    const char *extension; /* ".png" */
+    bool codes;            /* it holds codes: the chain encodes and quantises if no verb has; its alpha is unassociated */
+    bool alpha;            /* it can hold alpha */
+    /* Codes: the bits of a sample, after an explicit quantisation to `quantised` bits (0: none). */
+    int (*bits)(const void *params, int quantised);
+    hdr_sample (*sample)(const void *params, int bits);
+    hdr_sink *(*create)(const void *params, hdr_output *output, const hdr_frame *frame, hdr_error *err);
+} hdr_format;
+
+struct hdr_verb {
+    hdr_verb_about about;
+    size_t params_size;
+    /* Options that exclude each other, ranges that depend on each other: HDR_USAGE. NULL: nothing to check. */
+    hdr_status (*check)(const void *params, const hdr_options *given, hdr_error *err);
+    /* The facts about its input that plan() needs. NULL: none. Pure. */
+    void (*needs)(const void *params, hdr_request *request);
+    /* Filters: resolves the parameters. Pure. */
+    hdr_verdict (*plan)(const void *params, const hdr_scene *scene, hdr_step *step, hdr_error *err);
+    const hdr_format *format; /* formats only */
+};
+
+/* The registry, in the order of verbs.def. */
+const hdr_verb *hdr_verb_find(const char *name);
+const hdr_verb *hdr_verb_number(int index); /* NULL behind the last */
+
+/* ---- What luminance verbs share ---- */
+
+typedef struct hdr_luminance_params {
+    hdr_number saturation;
+    bool per_channel;
+} hdr_luminance_params;
+
+/* Their two options, for a table whose params struct has a member `luminance`. */
+#define HDR_LUMINANCE_OPTIONS(params)                                                                                  \
+    {.name = "saturation",                                                                                             \
+     .type = HDR_OPTION_NUMBER,                                                                                        \
+     .offset = offsetof(params, luminance.saturation),                                                                 \
+     .metavar = "S",                                                                                                   \
+     .min = 0,                                                                                                         \
+     .max = 2,                                                                                                         \
+     .default_value = "1",                                                                                             \
+     .help = "exponent of C/Y: 0 gives grey, 1 keeps chromaticity"},                                                   \
+        {.name = "per-channel",                                                                                        \
+         .type = HDR_OPTION_FLAG,                                                                                      \
+         .offset = offsetof(params, luminance.per_channel),                                                            \
+         .help = "apply the curve to each channel as if it were Y"}
+
+/* Chooses the step's form by them. */
+void hdr_luminance_form(const hdr_luminance_params *params, hdr_step *step);
+
+/* Encodings: refuses to encode what is encoded already unless forced. */
+hdr_status hdr_check_linear(const hdr_scene *scene, bool force, hdr_error *err);
+
+#endif
