@@ -26,6 +26,7 @@ ALL_CFLAGS = $(CFLAGS) $(STANDARD) $(EXACT) $(WARNINGS) $(SANITIZE) -pthread -Ii
 OPENEXR_CFLAGS = $(shell pkg-config --cflags OpenEXR 2>/dev/null)
 LIBS := -lOpenEXRCore -lpng -ldeflate -lisal -lz -lm
 PACKAGES := pkg-config libopenexr-dev libpng-dev libdeflate-dev libisal-dev zlib1g-dev
+LINT_PACKAGES := clang clang-format shellcheck cppcheck mandoc g++
 CHECK_PACKAGES := libmpfr-dev mandoc pngcheck
 
 SOURCES := $(filter-out src/verb/skeleton.c,$(wildcard src/*/*.c))
@@ -98,6 +99,25 @@ include tests/tests.mk
 man: $(PROGRAM)
 	for v in $(VERBS); do $(PROGRAM) help --man $$v >man/hdr-$$v.1 || exit 1; done
 	$(PROGRAM) help --man >man/hdr.1
+
+# ---- Looking for faults without running ----
+
+C_FILES = $(wildcard src/*/*.[ch] cmd/*.[ch] include/*.h tests/*/*.[ch] testdata/*.[ch])
+
+lint-deps: check-deps
+	$(call install-missing,$(LINT_PACKAGES))
+
+lint: lint-deps
+	$(MAKE) lint-built
+
+.PHONY: lint-built
+lint-built:
+	clang-format --dry-run --Werror $(C_FILES)
+	shellcheck -s sh $(wildcard tests/*.sh tests/*/*.sh) .ci/run
+	cd man && ! mandoc -Tlint -W style *.1 *.5 *.7 | grep .
+	for f in include/hdrpipe.h; do $(CC) -std=c11 -pedantic -Wall -Wextra -Werror -fsyntax-only -x c $$f && \
+	    $(CXX) -std=c++11 -pedantic -Wall -Wextra -Werror -fsyntax-only -x c++ $$f || exit 1; done
+	cppcheck -q --std=c11 --error-exitcode=1 --inline-suppr --suppress=missingIncludeSystem -Iinclude -Isrc src cmd
 
 # ---- Installing ----
 

@@ -371,6 +371,17 @@ static const char hdr_description[] =
     ".Xr hdrpipe 7\n"
     "explains this, and the terms that the manual uses.\n";
 
+/* Those that stand in a pipe's head. */
+static void print_travelling(void) {
+    const char *before = ".Pp\nOf these, the ones that change the picture go along with it through a pipe:\n";
+    for (const hdr_option *option = hdr_common_options(); option->name; option++) {
+        if (!option->travels) continue;
+        printf("%s.Fl Fl %s", before, option->name);
+        before = " ,\n";
+    }
+    printf(" .\nThe others are for the program that they are given to.\n");
+}
+
 static const char hdr_environment[] = ".Sh ENVIRONMENT\n"
                                       ".Bl -tag -width Ds\n"
                                       ".It Ev HDR_THREADS\n"
@@ -411,6 +422,7 @@ static void print_hdr_page(void) {
         print_verb_items(&kinds[i]);
     printf(".Sh OPTIONS\nEvery verb takes these, once in a chain, beside its own:\n");
     print_option_items(hdr_common_options());
+    print_travelling();
     printf("%s", hdr_environment);
     print_exit_statuses();
     print_examples(hdr_examples);

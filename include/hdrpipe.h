@@ -1,8 +1,8 @@
 /* hdrpipe: float renders in, display pictures out, as a chain of verbs.
  *
- * This header is the library's manual. A picture in flight is a source of bytes and a list of things still to be done to it (a
- * chain of verbs). A chain is read from words as they stand on a command line, or added clause by clause; running it turns the
- * list into the fewest sweeps over the source and writes the result to an output.
+ * This header is the library's manual. A picture in flight is a source of bytes and a list of things still to be done
+ * to it (a chain of verbs). A chain is read from words as they stand on a command line, or added clause by clause;
+ * running it turns the list into the fewest sweeps over the source and writes the result to an output.
  *
  *     hdr_error error = {0};
  *     hdr_chain *chain = hdr_chain_new(&error);
@@ -14,10 +14,11 @@
  *     ...
  *     hdr_output_free(output); hdr_input_free(input); hdr_chain_free(chain);
  *
- * Conventions. Every function that can fail returns an hdr_status, or NULL, and fills the hdr_error it was given (which may be
- * NULL); a record that is already filled is left alone, so a series of calls may share one and be checked once. The library
- * never prints, never exits and holds no global state but the choice of processor kernels. Strings are UTF-8 and NUL-ended.
- * All free functions accept NULL. Objects may be used by one thread at a time; different objects by different threads. */
+ * Conventions. Every function that can fail returns an hdr_status, or NULL, and fills the hdr_error it was given (which
+ * may be NULL); a record that is already filled is left alone, so a series of calls may share one and be checked once.
+ * The library never prints, never exits and holds no global state but the choice of processor kernels. Strings are
+ * UTF-8 and NUL-ended. All free functions accept NULL. Objects may be used by one thread at a time; different objects
+ * by different threads. */
 #ifndef HDRPIPE_H
 #define HDRPIPE_H
 
@@ -31,7 +32,8 @@ extern "C" {
 
 #define HDRPIPE_VERSION "0.1.0"
 
-/* ---- Status and errors ---------------------------------------------------------------------------------------------- */
+/* ---- Status and errors ----------------------------------------------------------------------------------------------
+ */
 
 /* The values are the exit statuses of the commands (after sysexits.h). */
 typedef enum hdr_status {
@@ -51,7 +53,8 @@ typedef struct hdr_error {
     char message[1000]; /* one sentence, or a sentence and an option's help line; no newline at the end */
 } hdr_error;
 
-/* ---- Options -------------------------------------------------------------------------------------------------------- */
+/* ---- Options --------------------------------------------------------------------------------------------------------
+ */
 
 typedef enum hdr_option_type {
     HDR_OPTION_FLAG,    /* takes no value */
@@ -63,8 +66,8 @@ typedef enum hdr_option_type {
     HDR_OPTION_TEXT     /* any text, e.g. a file's name */
 } hdr_option_type;
 
-/* One option. Parsing, help, manual, completion and the pipe's head are all made from tables of these, each ended by an entry
- * whose name is NULL. */
+/* One option. Parsing, help, manual, completion and the pipe's head are all made from tables of these, each ended by an
+ * entry whose name is NULL. */
 typedef struct hdr_option {
     const char *name; /* --name */
     char letter;      /* -l, or 0 */
@@ -86,7 +89,8 @@ const hdr_option *hdr_common_options(void);
  * "  -g, --exponent NUMBER   help (range; default 2.2)". */
 void hdr_option_describe(const hdr_option *option, char *line, size_t size);
 
-/* ---- Verbs ---------------------------------------------------------------------------------------------------------- */
+/* ---- Verbs ----------------------------------------------------------------------------------------------------------
+ */
 
 typedef enum hdr_verb_kind {
     HDR_FILTER, /* picture in, picture out */
@@ -96,11 +100,12 @@ typedef enum hdr_verb_kind {
 
 /* What there is to know about a verb from outside. */
 typedef struct hdr_verb_about {
-    const char *name;            /* "gamma" */
-    const char *summary;         /* the man page's NAME line: no capital, no full stop */
-    const char *details;         /* DESCRIPTION: plain sentences; paragraphs separated by an empty line */
-    const char *const *examples; /* NULL-ended shell command lines: in them, IN.exr is a picture, OUT.png etc. results */
-    const hdr_option *options;   /* its own options */
+    const char *name;    /* "gamma" */
+    const char *summary; /* the man page's NAME line: no capital, no full stop */
+    const char *details; /* DESCRIPTION: plain sentences; paragraphs separated by an empty line */
+    const char *const
+        *examples;             /* NULL-ended shell command lines: in them, IN.exr is a picture, OUT.png etc. results */
+    const hdr_option *options; /* its own options */
     hdr_verb_kind kind;
 } hdr_verb_about;
 
@@ -108,9 +113,11 @@ typedef struct hdr_verb_about {
 const hdr_verb_about *hdr_verb_at(int index);
 const hdr_verb_about *hdr_verb_named(const char *name); /* NULL: there is none */
 
-/* ---- Pictures ------------------------------------------------------------------------------------------------------- */
+/* ---- Pictures -------------------------------------------------------------------------------------------------------
+ */
 
-/* A rectangle of pixels, corners included, in OpenEXR's coordinates: x to the right, y downwards. Empty if max < min. */
+/* A rectangle of pixels, corners included, in OpenEXR's coordinates: x to the right, y downwards. Empty if max < min.
+ */
 typedef struct hdr_window {
     int32_t min_x, min_y, max_x, max_y;
 } hdr_window;
@@ -135,9 +142,9 @@ typedef struct hdr_picture {
     hdr_window display; /* the frame */
     int planes;         /* colour planes: 1 (luminance only) or 3 (R, G, B) */
     bool has_alpha;
-    hdr_channel channels[4];           /* those that are read: R G B or Y, then A where there is one; [3] is A's place */
-    bool present[4];                   /* false: the file has no such channel; R, G or B read as 0 then */
-    bool has_chromaticities;           /* the file says which primaries; otherwise Rec.709 is assumed */
+    hdr_channel channels[4]; /* those that are read: R G B or Y, then A where there is one; [3] is A's place */
+    bool present[4];         /* false: the file has no such channel; R, G or B read as 0 then */
+    bool has_chromaticities; /* the file says which primaries; otherwise Rec.709 is assumed */
     hdr_chromaticities chromaticities; /* filled in either case */
     bool has_neutral;                  /* adoptedNeutral */
     double neutral[2];
@@ -148,32 +155,35 @@ typedef struct hdr_picture {
     char compression[16]; /* "none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a" */
 } hdr_picture;
 
-/* ---- Input ---------------------------------------------------------------------------------------------------------- */
+/* ---- Input ----------------------------------------------------------------------------------------------------------
+ */
 
 /* Bytes of a picture file, with or without a pipe's head in front. */
 typedef struct hdr_input hdr_input;
 
-/* Opens a file, or standard input for "-" or NULL (HDR_USAGE when that is a terminal). A pipe is read into memory while it is
- * being decoded. HDR_NO_INPUT: it cannot be opened. */
+/* Opens a file, or standard input for "-" or NULL (HDR_USAGE when that is a terminal). A pipe is read into memory while
+ * it is being decoded. HDR_NO_INPUT: it cannot be opened. */
 hdr_input *hdr_input_open(const char *path, hdr_error *err);
 
 /* The same from memory, which must stay as it is until the input is freed. name is used in messages. */
 hdr_input *hdr_input_memory(const void *bytes, size_t size, const char *name, hdr_error *err);
 
 /* Pixels in memory instead of a file: width x height, planes = 1 or 3 colour planes (plus alpha where not NULL), linear
- * float32, Rec.709 primaries, alpha associated; row after row, each plane separate; they must stay as they are until the input
- * is freed. */
+ * float32, Rec.709 primaries, alpha associated; row after row, each plane separate; they must stay as they are until
+ * the input is freed. */
 hdr_input *hdr_input_planes(int width, int height, int planes, const float *const plane[3], const float *alpha,
                             hdr_error *err);
 void hdr_input_free(hdr_input *input);
 
-/* ---- Output --------------------------------------------------------------------------------------------------------- */
+/* ---- Output ---------------------------------------------------------------------------------------------------------
+ */
 
-/* Where the result goes. A file appears under its name only when it is whole: until hdr_chain_run has succeeded it is a temporary
- * file beside it, which is removed on any fault. */
+/* Where the result goes. A file appears under its name only when it is whole: until hdr_chain_run has succeeded it is a
+ * temporary file beside it, which is removed on any fault. */
 typedef struct hdr_output hdr_output;
 
-/* A file by name; a symbolic link is followed, a device or FIFO is written to directly. HDR_CANT_CREATE: it cannot be. */
+/* A file by name; a symbolic link is followed, a device or FIFO is written to directly. HDR_CANT_CREATE: it cannot be.
+ */
 hdr_output *hdr_output_open(const char *path, hdr_error *err);
 
 /* An open descriptor, e.g. standard output, which stays open. Nothing is written until the result is whole.
@@ -185,11 +195,12 @@ hdr_output *hdr_output_memory(hdr_error *err);
 const void *hdr_output_bytes(const hdr_output *output, size_t *size);
 void hdr_output_free(hdr_output *output);
 
-/* Removes the temporary files of all outputs of this process. May be called in a signal handler, and is for nothing else: the
- * outputs are of no use afterwards, the program has to end. */
+/* Removes the temporary files of all outputs of this process. May be called in a signal handler, and is for nothing
+ * else: the outputs are of no use afterwards, the program has to end. */
 void hdr_output_remove_temporary(void);
 
-/* ---- Chains --------------------------------------------------------------------------------------------------------- */
+/* ---- Chains ---------------------------------------------------------------------------------------------------------
+ */
 
 typedef struct hdr_chain hdr_chain;
 
@@ -200,8 +211,8 @@ void hdr_chain_free(hdr_chain *chain);
 /* Adds one clause: words[0] is the verb, the others are its options and common options, as on a command line. */
 hdr_status hdr_chain_add(hdr_chain *chain, const char *const words[], int count, hdr_error *err);
 
-/* Adds the clauses of a whole command line: VERB [OPTION...] [then VERB [OPTION...]]... [FILE...]. ":" stands for "then" too; "--"
- * makes operands of all that follows. */
+/* Adds the clauses of a whole command line: VERB [OPTION...] [then VERB [OPTION...]]... [FILE...]. ":" stands for
+ * "then" too; "--" makes operands of all that follows. */
 hdr_status hdr_chain_parse(hdr_chain *chain, int count, const char *const words[], hdr_error *err);
 
 /* The operands that hdr_chain_parse met: NULL-ended; they belong to the caller's words. */
@@ -233,36 +244,40 @@ typedef struct hdr_listener {
     void *context;
 } hdr_listener;
 
-/* Runs the chain on the input and writes the result to the output. The format is that of the chain's last verb; where that is no
- * format, by the ending of the output's name (.png .exr .pfm; another ending: HDR_USAGE), else EXR. If the input begins with a
- * pipe's head, its clauses come first. A listener of NULL hears nothing. The chain is not used up. */
+/* Runs the chain on the input and writes the result to the output. The format is that of the chain's last verb; where
+ * that is no format, by the ending of the output's name (.png .exr .pfm; another ending: HDR_USAGE), else EXR. If the
+ * input begins with a pipe's head, its clauses come first. A listener of NULL hears nothing. The chain is not used up.
+ */
 hdr_status hdr_chain_run(hdr_chain *chain, hdr_input *input, hdr_output *output, const hdr_listener *listener,
                          hdr_error *err);
 
-/* Puts the chain in front of the input's bytes, as text, and copies both to an open descriptor: no pixel is computed. For a
- * filter that writes to a pipe. The text's form is in hdrpipe(5). HDR_USAGE: the chain ends in a format or program. */
+/* Puts the chain in front of the input's bytes, as text, and copies both to an open descriptor: no pixel is computed.
+ * For a filter that writes to a pipe. The text's form is in hdrpipe(5). HDR_USAGE: the chain ends in a format or
+ * program. */
 hdr_status hdr_chain_defer(hdr_chain *chain, hdr_input *input, int descriptor, hdr_error *err);
 
-/* ---- Facts ---------------------------------------------------------------------------------------------------------- */
+/* ---- Facts ----------------------------------------------------------------------------------------------------------
+ */
 
 #define HDR_PERCENTILES 9
 
-/* What the scene is like after all clauses of the chain that are filters, over the data window. Y is luminance; a lit pixel is one
- * with Y > 0. Counts of repaired values are of the file's components, alpha included; all else is after repair. */
+/* What the scene is like after all clauses of the chain that are filters, over the data window. Y is luminance; a lit
+ * pixel is one with Y > 0. Counts of repaired values are of the file's components, alpha included; all else is after
+ * repair. */
 typedef struct hdr_stats {
     hdr_picture picture;
     uint64_t pixels, lit;
     uint64_t nan, positive_infinity, negative_infinity; /* components repaired */
     uint64_t negative;                                  /* colour components below 0 */
     uint64_t unlit_colour;                              /* pixels that are not lit though some component is positive */
-    double min[4], max[4];             /* per channel: R G B (or Y in [0]) and alpha; 0 where there is no such channel */
-    double min_luminance, max_luminance;         /* over all pixels */
-    double min_lit;                              /* smallest Y > 0; 0 when nothing is lit */
-    double log_average;                          /* exp(mean of ln Y over lit pixels); 0 when nothing is lit */
-    double percentile[HDR_PERCENTILES];          /* nearest rank of Y rounded to float32, over lit pixels; 0: nothing lit */
-    double percentile_percent[HDR_PERCENTILES];  /* which: 0.1 1 5 25 50 75 95 99 99.9 */
-    bool grey;                                   /* one plane, or R = G = B everywhere */
-    bool opaque;                                 /* no alpha, or 1 everywhere */
+    double min[4], max[4]; /* per channel: R G B (or Y in [0]) and alpha; 0 where there is no such channel */
+    double min_luminance, max_luminance; /* over all pixels */
+    double min_lit;                      /* smallest Y > 0; 0 when nothing is lit */
+    double log_average;                  /* exp(mean of ln Y over lit pixels); 0 when nothing is lit */
+    double percentile[HDR_PERCENTILES];  /* nearest rank of Y rounded to float32, over lit pixels; 0: nothing lit */
+    double percentile_percent[HDR_PERCENTILES]; /* which: 0.1 1 5 25 50 75 95 99 99.9 */
+    bool grey;                                  /* one plane, or R = G = B everywhere */
+    bool opaque;                                /* no alpha, or 1 everywhere */
 } hdr_stats;
 
 /* Takes the facts. The chain may end in a program verb, which is left out; a format verb: HDR_USAGE. */

@@ -1,0 +1,29 @@
+# Tests. Each is a program or a script that prints "name: N passed, M failed[, K skipped]" as its last line and fails if M > 0; tests/run.sh adds them
+# up. C tests: tests/unit (against the library's rooms), tests/laws and tests/oracle (properties and independent evaluations).
+# Scripts: tests/cli, tests/laws.
+
+TEST_SOURCES := $(wildcard tests/unit/test_*.c tests/laws/test_*.c tests/oracle/test_*.c)
+TEST_PROGRAMS := $(TEST_SOURCES:%.c=$(BUILD)/%)
+TEST_SCRIPTS := $(wildcard tests/cli/test_*.sh tests/laws/test_*.sh)
+
+$(BUILD)/tests/%: tests/%.c $(LIBRARY) $(BUILD)/flags
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) $(OPENEXR_CFLAGS) -Isrc -Itests/unit -MMD -MP $< -o $@ $(LIBRARY) $(LIBS) -lmpfr -lgmp
+
+-include $(TEST_PROGRAMS:=.d)
+
+# the generators of testdata, built so that they stay in order
+RENDER_SOURCES := testdata/render.c testdata/path.c testdata/scenes.c testdata/write_exr.c
+$(BUILD)/testdata/render: $(RENDER_SOURCES) $(wildcard testdata/*.h) $(BUILD)/flags
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) $(OPENEXR_CFLAGS) -o $@ $(RENDER_SOURCES) -lOpenEXRCore -lm
+$(BUILD)/testdata/tiny: testdata/tiny.c testdata/write_exr.c testdata/write_exr.h $(BUILD)/flags
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) $(OPENEXR_CFLAGS) -o $@ testdata/tiny.c testdata/write_exr.c -lOpenEXRCore -lm
+
+check: check-deps
+	$(MAKE) check-built
+
+.PHONY: check-built
+check-built: all $(TEST_PROGRAMS) $(BUILD)/testdata/render $(BUILD)/testdata/tiny
+	BUILD=$(BUILD) CC='$(CC)' sh tests/run.sh $(TEST_PROGRAMS) $(TEST_SCRIPTS)

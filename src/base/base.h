@@ -15,10 +15,12 @@
 #endif
 
 /* Fills the record (err may be NULL) and returns status, so that the one who detects a fault writes
- * `return hdr_fail(err, HDR_BAD_DATA, "...")`. Only the first fault is kept: later calls leave a filled record alone. */
+ * `return hdr_fail(err, HDR_BAD_DATA, "...")`. Only the first fault is kept: later calls leave a filled record alone.
+ */
 hdr_status hdr_fail(hdr_error *err, hdr_status status, const char *format, ...) HDR_PRINTF(3, 4);
 
-/* Puts "prefix: " in front of a message on its way up, e.g. the name of the clause or the file. Returns err's status. */
+/* Puts "prefix: " in front of a message on its way up, e.g. the name of the clause or the file. Returns err's status.
+ */
 hdr_status hdr_fail_in(hdr_error *err, const char *prefix);
 
 /* malloc/realloc of count * size bytes; NULL on overflow or when memory is out. hdr_alloc clears it. A size of 0 gives
@@ -26,8 +28,8 @@ hdr_status hdr_fail_in(hdr_error *err, const char *prefix);
 void *hdr_alloc(size_t count, size_t size);
 void *hdr_grow(void *old, size_t count, size_t size);
 
-/* Large memory that is written once from front to back (a picture that is kept, a file from a pipe): page faults cost more
- * than the work there, so huge pages are asked for. Not cleared. Free with hdr_free_pages(p, bytes). */
+/* Large memory that is written once from front to back (a picture that is kept, a file from a pipe): page faults cost
+ * more than the work there, so huge pages are asked for. Not cleared. Free with hdr_free_pages(p, bytes). */
 void *hdr_alloc_pages(size_t bytes);
 void hdr_free_pages(void *pages, size_t bytes);
 

@@ -5,7 +5,8 @@
 /* The rungs of the ladder. HDR_CPU_C is the plain C as the compiler's baseline has it, with no intrinsics. */
 typedef enum hdr_cpu_level { HDR_CPU_C, HDR_CPU_SSE2, HDR_CPU_AVX2, HDR_CPU_AVX512 } hdr_cpu_level;
 
-/* The highest rung this processor has, held down by the environment's HDR_CPU (c, sse2, avx2 or avx512). Decided once. */
+/* The highest rung this processor has, held down by the environment's HDR_CPU (c, sse2, avx2 or avx512). Decided once.
+ */
 hdr_cpu_level hdr_cpu(void);
 const char *hdr_cpu_name(hdr_cpu_level level);
 
@@ -22,9 +23,10 @@ const char *hdr_cpu_name(hdr_cpu_level level);
 
 #define HDR_INLINE static inline __attribute__((always_inline))
 
-/* HDR_VERSIONS(name, (parameters), (arguments)) defines void name(parameters), which runs name_body(arguments): a function
- * marked HDR_INLINE that stands above it (HDR_VERSIONS_IN(static, ...) for one file's own use), plain loops that the compiler vectorises anew for each instruction set. The
- * arithmetic is the same in each (contraction is off), so the results are too, bit for bit. */
+/* HDR_VERSIONS(name, (parameters), (arguments)) defines void name(parameters), which runs name_body(arguments): a
+ * function marked HDR_INLINE that stands above it (HDR_VERSIONS_IN(static, ...) for one file's own use), plain loops
+ * that the compiler vectorises anew for each instruction set. The arithmetic is the same in each (contraction is off),
+ * so the results are too, bit for bit. */
 #if defined(HDR_X86)
 #define HDR_VERSIONS_IN(storage, name, parameters, arguments)                                                          \
     HDR_TARGET_AVX512 static void name##_avx512 parameters {                                                           \

@@ -1,5 +1,5 @@
-/* Option tables: the only place where an option exists. Parsing, help, the man page's OPTIONS, completion, the pipe's head and
- * the fuzz dictionary all come from them. The table's type, hdr_option, is public: see hdrpipe.h. */
+/* Option tables: the only place where an option exists. Parsing, help, the man page's OPTIONS, completion, the pipe's
+ * head and the fuzz dictionary all come from them. The table's type, hdr_option, is public: see hdrpipe.h. */
 #ifndef HDR_OPTIONS_H
 #define HDR_OPTIONS_H
 
@@ -39,13 +39,14 @@ void hdr_options_default(const hdr_option *table, void *params);
 const hdr_option *hdr_option_find(const hdr_option *table, const char *name);
 const hdr_option *hdr_option_letter(const hdr_option *table, char letter);
 
-/* Parses text as option's value into params and records it in options. Given twice, out of range, not a number: HDR_USAGE,
- * and the message ends with the option's own help line. text is NULL for a flag. */
+/* Parses text as option's value into params and records it in options. Given twice, out of range, not a number:
+ * HDR_USAGE, and the message ends with the option's own help line. text is NULL for a flag. */
 hdr_status hdr_option_set(const hdr_option *option, const char *text, void *params, hdr_options *options,
                           hdr_error *err);
 void hdr_options_free(hdr_options *options);
 
-/* The option's one help line, without newline: "  -g, --exponent N   help (range; default D)". In static form in bytes. */
+/* The option's one help line, without newline: "  -g, --exponent N   help (range; default D)". In static form in bytes.
+ */
 hdr_status hdr_option_line(const hdr_option *option, hdr_bytes *out, hdr_error *err);
 
 /* The same value as words of the head: appends " --name value" with bytes outside [A-Za-z0-9._,:/@+=-] as %XX. */

@@ -18,8 +18,8 @@ typedef hdr_status (*hdr_job)(void *context, int item, int thread, hdr_error *er
 /* Runs job for each item. Items are claimed in increasing order. */
 hdr_status hdr_pool_run(hdr_pool *pool, int items, hdr_job job, void *context, hdr_error *err);
 
-/* Called within a job: waits until all items below this one have called hdr_pool_leave (or the run was stopped: then false,
- * and the job returns HDR_OK without delivering). Between enter and leave no other item's is open. */
+/* Called within a job: waits until all items below this one have called hdr_pool_leave (or the run was stopped: then
+ * false, and the job returns HDR_OK without delivering). Between enter and leave no other item's is open. */
 bool hdr_pool_enter(hdr_pool *pool, int item);
 void hdr_pool_leave(hdr_pool *pool, int item);
 

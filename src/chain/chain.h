@@ -35,11 +35,11 @@ struct hdr_chain {
 
 /* ---- parse.c ---- */
 
-/* One clause whose words are all its own; operands are refused. */
+/* One clause as in the head: the verb and its own options by their long names, nothing else. */
 hdr_status hdr_chain_add_clause(hdr_chain *chain, const char *const words[], int count, hdr_error *err);
 
-/* Common options alone, as in the head's read line. What an earlier program gave already may be given again if it says the
- * same. */
+/* Common options alone, as in the head's read line. What an earlier program gave already may be given again if it says
+ * the same. */
 hdr_status hdr_chain_add_reading(hdr_chain *chain, const char *const words[], int count, hdr_error *err);
 
 /* ---- head.c ---- */

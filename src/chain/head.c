@@ -57,7 +57,8 @@ hdr_status hdr_chain_defer(hdr_chain *chain, hdr_input *input, int descriptor, h
     hdr_status status = whole ? HDR_OK : err ? err->status : HDR_BAD_DATA;
     if (!status)
         status = hdr_bytes_printf(&text, err,
-                                  MAGIC VERSION "\n# not pixels yet: end the pipe with hdr-png, hdr-exr, ..., or set HDR_DEFER=0\n");
+                                  MAGIC VERSION
+                                  "\n# not pixels yet: end the pipe with hdr-png, hdr-exr, ..., or set HDR_DEFER=0\n");
     if (!status) status = print_lines(whole, &text, err);
     if (!status) status = hdr_bytes_printf(&text, err, "\n");
     if (!status && text.size > HEAD_MAX)
@@ -80,8 +81,8 @@ static int hex_digit(unsigned char byte) {
     return byte >= '0' && byte <= '9' ? byte - '0' : byte >= 'A' && byte <= 'F' ? byte - 'A' + 10 : -1;
 }
 
-/* Splits a line into its words, in place, with %XX resolved. The words are as strict as a command line: one space between them, no byte
- * that ought to have been escaped. -1: not so. */
+/* Splits a line into its words, in place, with %XX resolved. The words are as strict as a command line: one space
+ * between them, no byte that ought to have been escaped. -1: not so. */
 static int split_words(char *line, const char *word[], int room) {
     int count = 0;
     char *from = line, *to = line;
@@ -106,18 +107,20 @@ static int split_words(char *line, const char *word[], int room) {
 }
 
 /* One line of the head. */
-static hdr_status read_line(hdr_chain *chain, char *line, int number, hdr_error *err) {
+static hdr_status read_line(hdr_chain *chain, char *line, int number, bool *reading, hdr_error *err) {
     static const char read_word[] = "read", then_word[] = "then";
     const char *word[WORDS_MAX];
     hdr_error own = {0};
     int count = split_words(line, word, WORDS_MAX);
-    if (count >= 1 && !strcmp(word[0], read_word) && chain->count == 0) {
+    if (count >= 2 && !strcmp(word[0], read_word) && chain->count == 0 && !*reading) {
+        *reading = true; /* at most one such line, in front of the clauses */
         hdr_chain_add_reading(chain, word + 1, count - 1, &own);
     } else if (count >= 2 && !strcmp(word[0], then_word)) {
         const hdr_verb *verb = hdr_verb_find(word[1]);
         if (!verb)
-            hdr_fail(&own, HDR_BAD_DATA, "unknown verb '%.100s': the hdr-%.100s that wrote it is newer than this program (%s)",
-                     word[1], word[1], HDRPIPE_VERSION);
+            hdr_fail(&own, HDR_BAD_DATA,
+                     "unknown verb '%.100s': the hdr-%.100s that wrote it is newer than this program (%s)", word[1],
+                     word[1], HDRPIPE_VERSION);
         else if (verb->about.kind != HDR_FILTER)
             hdr_fail(&own, HDR_BAD_DATA, "%s is no filter", word[1]);
         else
@@ -132,10 +135,11 @@ static hdr_status read_line(hdr_chain *chain, char *line, int number, hdr_error 
 /* All lines of text, which ends with a newline. first: the number of its first line. */
 static hdr_status read_lines(hdr_chain *chain, char *text, int first, hdr_error *err) {
     int number = first;
+    bool reading = false;
     while (*text) {
         char *end = strchr(text, '\n');
         *end = '\0';
-        hdr_status status = *text == '#' ? HDR_OK : read_line(chain, text, number, err);
+        hdr_status status = *text == '#' ? HDR_OK : read_line(chain, text, number, &reading, err);
         if (status) return status;
         text = end + 1;
         number++;
@@ -149,7 +153,8 @@ static int64_t head_length(const char *text, size_t size, hdr_error *err) {
     static const char first_line[] = MAGIC VERSION "\n";
     if (size < sizeof first_line - 1 || memcmp(text, first_line, sizeof first_line - 1)) {
         int length = (int)strcspn(text + strlen(MAGIC), "\n");
-        hdr_fail(err, HDR_BAD_DATA, "the pipe's head is of version '%.*s': a newer hdrpipe wrote it; this one (%s) reads version " VERSION,
+        hdr_fail(err, HDR_BAD_DATA,
+                 "the pipe's head is of version '%.*s': a newer hdrpipe wrote it; this one (%s) reads version " VERSION,
                  length > 20 ? 20 : length, text + strlen(MAGIC), HDRPIPE_VERSION);
         return -1;
     }
@@ -206,8 +211,8 @@ static hdr_status append_chain(hdr_chain *whole, const hdr_chain *chain, hdr_err
             words[count++] = names[g];
             if (given->text) words[count++] = given->text;
         }
-        hdr_status status = i < 0 ? hdr_chain_add_reading(whole, words, count, err)
-                                  : hdr_chain_add_clause(whole, words, count, err);
+        hdr_status status =
+            i < 0 ? hdr_chain_add_reading(whole, words, count, err) : hdr_chain_add_clause(whole, words, count, err);
         if (status) return status;
     }
     return HDR_OK;

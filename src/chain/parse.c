@@ -15,31 +15,81 @@ static const char *const automatic[] = {"auto", NULL};
 #define COMMON(member) offsetof(hdr_common, member)
 
 static const hdr_option common_options[] = {
-    {.name = "output", .letter = 'o', .type = HDR_OPTION_TEXT, .offset = COMMON(output), .metavar = "OUT",
+    {.name = "output",
+     .letter = 'o',
+     .type = HDR_OPTION_TEXT,
+     .offset = COMMON(output),
+     .metavar = "OUT",
      .help = "write to this file; the format follows its ending (.png .exr .pfm); - is standard output"},
-    {.name = "threads", .letter = 'j', .type = HDR_OPTION_INTEGER, .offset = COMMON(threads), .metavar = "N", .min = 1,
-     .max = 1024, .words = automatic, .default_value = "auto",
+    {.name = "threads",
+     .letter = 'j',
+     .type = HDR_OPTION_INTEGER,
+     .offset = COMMON(threads),
+     .metavar = "N",
+     .min = 1,
+     .max = 1024,
+     .words = automatic,
+     .default_value = "auto",
      .help = "threads; auto is HDR_THREADS, else the cores this process may use"},
-    {.name = "window", .type = HDR_OPTION_CHOICE, .offset = COMMON(window), .metavar = "WHICH", .words = windows,
-     .default_value = "display", .help = "the window of the picture that is written", .travels = true},
-    {.name = "primaries", .type = HDR_OPTION_CHOICE, .offset = COMMON(primaries), .metavar = "WHICH", .words = primaries,
-     .default_value = "rec709", .help = "convert to these before encoding, or keep the file's", .travels = true},
-    {.name = "adapt", .type = HDR_OPTION_CHOICE, .offset = COMMON(adapt), .metavar = "HOW", .words = adaptations,
-     .default_value = "bradford", .help = "how white is adapted when primaries are converted", .travels = true},
-    {.name = "memory", .type = HDR_OPTION_SIZE, .offset = COMMON(memory), .metavar = "BYTES", .min = 1 << 20, .max = 0x1p62,
-     .words = automatic, .default_value = "auto",
+    {.name = "window",
+     .type = HDR_OPTION_CHOICE,
+     .offset = COMMON(window),
+     .metavar = "WHICH",
+     .words = windows,
+     .default_value = "display",
+     .help = "the window of the picture that is written",
+     .travels = true},
+    {.name = "primaries",
+     .type = HDR_OPTION_CHOICE,
+     .offset = COMMON(primaries),
+     .metavar = "WHICH",
+     .words = primaries,
+     .default_value = "rec709",
+     .help = "convert to these before encoding, or keep the file's",
+     .travels = true},
+    {.name = "adapt",
+     .type = HDR_OPTION_CHOICE,
+     .offset = COMMON(adapt),
+     .metavar = "HOW",
+     .words = adaptations,
+     .default_value = "bradford",
+     .help = "how white is adapted when primaries are converted",
+     .travels = true},
+    {.name = "memory",
+     .type = HDR_OPTION_SIZE,
+     .offset = COMMON(memory),
+     .metavar = "BYTES",
+     .min = 1 << 20,
+     .max = 0x1p62,
+     .words = automatic,
+     .default_value = "auto",
      .help = "memory that pixels may be held in; auto is half of the machine's"},
-    {.name = "reference", .type = HDR_OPTION_FLAG, .offset = COMMON(reference), .travels = true,
+    {.name = "reference",
+     .type = HDR_OPTION_FLAG,
+     .offset = COMMON(reference),
+     .travels = true,
      .help = "evaluate everything in double precision, value by value: slow, the oracle"},
-    {.name = "no-skip", .type = HDR_OPTION_FLAG, .offset = COMMON(no_skip), .travels = true,
+    {.name = "no-skip",
+     .type = HDR_OPTION_FLAG,
+     .offset = COMMON(no_skip),
+     .travels = true,
      .help = "do what could be skipped"},
-    {.name = "strict", .type = HDR_OPTION_FLAG, .offset = COMMON(strict), .travels = true,
+    {.name = "strict",
+     .type = HDR_OPTION_FLAG,
+     .offset = COMMON(strict),
+     .travels = true,
      .help = "any NaN or infinity in the picture is an error"},
-    {.name = "explain", .type = HDR_OPTION_FLAG, .offset = COMMON(explain),
+    {.name = "explain",
+     .type = HDR_OPTION_FLAG,
+     .offset = COMMON(explain),
      .help = "tell the plan on standard error: sweeps, constants, and what was skipped and why"},
     {.name = "json", .type = HDR_OPTION_FLAG, .offset = COMMON(json), .help = "print JSON, where the verb prints"},
     {.name = "quiet", .letter = 'q', .type = HDR_OPTION_FLAG, .offset = COMMON(quiet), .help = "no notes, only errors"},
-    {.name = "verbose", .letter = 'v', .type = HDR_OPTION_FLAG, .offset = COMMON(verbose), .help = "tell sizes and times"},
+    {.name = "verbose",
+     .letter = 'v',
+     .type = HDR_OPTION_FLAG,
+     .offset = COMMON(verbose),
+     .help = "tell sizes and times"},
     {.name = "help", .letter = 'h', .type = HDR_OPTION_FLAG, .offset = COMMON(help), .help = "print this help"},
     {.name = "version", .letter = 'V', .type = HDR_OPTION_FLAG, .offset = COMMON(version), .help = "print the version"},
     {0}};
@@ -99,26 +149,29 @@ static int thread_count(const hdr_common *common) {
     hdr_common environment = *common;
     hdr_options given = {0};
     const hdr_option *option = hdr_option_find(common_options, "threads");
-    bool valid = text && hdr_option_set(option, text, &environment, &given, NULL) == HDR_OK && environment.threads.word < 0;
+    bool valid =
+        text && hdr_option_set(option, text, &environment, &given, NULL) == HDR_OK && environment.threads.word < 0;
     hdr_options_free(&given);
     return valid ? (int)environment.threads.value : available_cores();
 }
 
 const hdr_settings *hdr_chain_settings(const hdr_chain *chain) {
     const hdr_common *common = &chain->common;
-    hdr_settings *settings = (hdr_settings *)&chain->settings; /* a view of common, brought up to date when it is asked for */
-    *settings = (hdr_settings){.threads = thread_count(common),
-                               .output = common->output,
-                               .quiet = common->quiet,
-                               .verbose = common->verbose,
-                               .explain = common->explain,
-                               .json = common->json,
-                               .help = common->help,
-                               .version = common->version,
-                               .reference = common->reference,
-                               .no_skip = common->no_skip,
-                               .strict = common->strict,
-                               .memory = common->memory.word < 0 ? (uint64_t)common->memory.value : hdr_memory_default()};
+    hdr_settings *settings =
+        (hdr_settings *)&chain->settings; /* a view of common, brought up to date when it is asked for */
+    *settings =
+        (hdr_settings){.threads = thread_count(common),
+                       .output = common->output,
+                       .quiet = common->quiet,
+                       .verbose = common->verbose,
+                       .explain = common->explain,
+                       .json = common->json,
+                       .help = common->help,
+                       .version = common->version,
+                       .reference = common->reference,
+                       .no_skip = common->no_skip,
+                       .strict = common->strict,
+                       .memory = common->memory.word < 0 ? (uint64_t)common->memory.value : hdr_memory_default()};
     return settings;
 }
 
@@ -195,7 +248,8 @@ static hdr_status short_options(hdr_chain *chain, hdr_clause *clause, const char
         if (!option) return unknown_option(clause, word, err);
         const char *text = NULL;
         bool takes_value = option->type != HDR_OPTION_FLAG;
-        hdr_status status = takes_value ? option_value(option, letter[1] ? letter + 1 : NULL, from, &text, err) : HDR_OK;
+        hdr_status status =
+            takes_value ? option_value(option, letter[1] ? letter + 1 : NULL, from, &text, err) : HDR_OK;
         if (!status) status = set_option(chain, clause, own, common, text, err);
         if (status || takes_value) return status;
     }
@@ -237,40 +291,65 @@ static bool is_then(const char *word) {
     return !strcmp(word, "then") || !strcmp(word, ":");
 }
 
-/* One clause, up to a `then` or the end. Operands are files where they are allowed; a lone "--" makes operands of the rest. */
-static hdr_status read_clause(hdr_chain *chain, words *from, bool files, hdr_error *err) {
+/* What may stand in a clause besides its verb. */
+typedef enum allowed {
+    OWN_OPTIONS, /* --name of the verb's own table: a pipe's head, which comes from elsewhere and must not name an
+                    output */
+    ALL_OPTIONS, /* common ones too, and letters */
+    ALL_WORDS    /* and operands */
+} allowed;
+
+/* The next word of a clause and what belongs to it. A lone "--" makes operands of the rest: then options becomes false.
+ */
+static hdr_status read_word(hdr_chain *chain, hdr_clause *clause, words *from, allowed what, bool *options,
+                            hdr_error *err) {
+    const char *word = from->word[from->next++];
+    bool dash = *options && word[0] == '-' && word[1];
+    bool is_long = dash && word[1] == '-' && word[2];
+    if (what == OWN_OPTIONS) {
+        size_t length = is_long ? strcspn(word + 2, "=") : 0;
+        char name[64] = "";
+        if (length && length < sizeof name) memcpy(name, word + 2, length);
+        if (!hdr_option_find(clause->verb->about.options, name))
+            return hdr_fail(err, HDR_USAGE, "'%.100s' is none of its options", word);
+    }
+    if (what == ALL_WORDS && *options && !strcmp(word, "--")) {
+        *options = false;
+        return HDR_OK;
+    }
+    if (is_long) return long_option(chain, clause, word, from, err);
+    if (dash) return short_options(chain, clause, word, from, err);
+    if (what == ALL_WORDS) return add_file(chain, word, err);
+    return hdr_fail(err, HDR_USAGE, "'%.100s' is no option", word);
+}
+
+/* One clause, up to a `then` or the end. */
+static hdr_status read_clause(hdr_chain *chain, words *from, allowed what, hdr_error *err) {
     hdr_clause *clause = NULL;
     hdr_error own = {0};
     hdr_status status = open_clause(chain, from->word[from->next++], &clause, err);
     if (status) return status;
     bool options = true;
-    while (!status && from->next < from->count && !(options && files && is_then(from->word[from->next]))) {
-        const char *word = from->word[from->next++];
-        if (options && files && !strcmp(word, "--"))
-            options = false;
-        else if (options && word[0] == '-' && word[1] == '-' && word[2])
-            status = long_option(chain, clause, word, from, &own);
-        else if (options && word[0] == '-' && word[1])
-            status = short_options(chain, clause, word, from, &own);
-        else if (files)
-            status = add_file(chain, word, &own);
-        else
-            status = hdr_fail(&own, HDR_USAGE, "'%.100s' is no option", word);
-    }
+    while (!status && from->next < from->count && !(options && what == ALL_WORDS && is_then(from->word[from->next])))
+        status = read_word(chain, clause, from, what, &options, &own);
     if (!status) status = close_clause(clause, &own);
     if (!status) return HDR_OK;
     hdr_fail_in(&own, clause->verb->about.name);
     return hdr_fail(err, status, "%s", own.message);
 }
 
-hdr_status hdr_chain_add_clause(hdr_chain *chain, const char *const word[], int count, hdr_error *err) {
+static hdr_status add_one(hdr_chain *chain, const char *const word[], int count, allowed what, hdr_error *err) {
     words from = {word, count, 0};
     if (count < 1) return hdr_fail(err, HDR_USAGE, "a clause begins with a verb");
-    return read_clause(chain, &from, false, err);
+    return read_clause(chain, &from, what, err);
+}
+
+hdr_status hdr_chain_add_clause(hdr_chain *chain, const char *const word[], int count, hdr_error *err) {
+    return add_one(chain, word, count, OWN_OPTIONS, err);
 }
 
 hdr_status hdr_chain_add(hdr_chain *chain, const char *const word[], int count, hdr_error *err) {
-    return hdr_chain_add_clause(chain, word, count, err);
+    return add_one(chain, word, count, ALL_OPTIONS, err);
 }
 
 hdr_status hdr_chain_parse(hdr_chain *chain, int count, const char *const word[], hdr_error *err) {
@@ -279,7 +358,7 @@ hdr_status hdr_chain_parse(hdr_chain *chain, int count, const char *const word[]
         if (from.next >= from.count)
             return hdr_fail(err, HDR_USAGE, count ? "a verb is missing after '%s'" : "a verb is missing%s",
                             count ? word[count - 1] : "");
-        hdr_status status = read_clause(chain, &from, true, err);
+        hdr_status status = read_clause(chain, &from, ALL_WORDS, err);
         if (status || from.next >= from.count) return status;
         from.next++; /* then */
     }
@@ -298,7 +377,8 @@ hdr_status hdr_chain_add_reading(hdr_chain *chain, const char *const word[], int
         for (int i = 0; i < chain->common_given.count; i++)
             if (chain->common_given.given[i].option == option) earlier = &chain->common_given.given[i];
         if (earlier && text && strcmp(earlier->text, text))
-            return hdr_fail(err, HDR_USAGE, "%s: one program of the pipe says %s, another %s", word[at], earlier->text, text);
+            return hdr_fail(err, HDR_USAGE, "%s: one program of the pipe says %s, another %s", word[at], earlier->text,
+                            text);
         if (earlier) continue;
         hdr_status status = hdr_option_set(option, text, &chain->common, &chain->common_given, err);
         if (status) return status;

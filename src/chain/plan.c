@@ -11,13 +11,13 @@
 /* Where the plan stands. */
 typedef struct planning {
     hdr_run *run;
-    char state[64];     /* what the pixels are */
-    int bits;           /* above 0: quantised to that many */
-    bool foreign;       /* primaries other than Rec.709, not yet converted */
+    char state[64]; /* what the pixels are */
+    int bits;       /* above 0: quantised to that many */
+    bool foreign;   /* primaries other than Rec.709, not yet converted */
     bool converted;
-    hdr_facts facts;    /* of the pixels as they were when facts were last taken; fresh: as they are now */
+    hdr_facts facts; /* of the pixels as they were when facts were last taken; fresh: as they are now */
     bool fresh;
-    hdr_facts range;    /* range of the components, carried along; known is 0 where it is not */
+    hdr_facts range; /* range of the components, carried along; known is 0 where it is not */
 } planning;
 
 static hdr_status append_step(planning *p, const hdr_step *step, hdr_error *err) {
@@ -44,7 +44,8 @@ static hdr_status start_colour(planning *p, hdr_error *err) {
     return HDR_OK;
 }
 
-/* Encoded pictures are in Rec.709's primaries: the conversion stands in front of the first verb that encodes or quantises. */
+/* Encoded pictures are in Rec.709's primaries: the conversion stands in front of the first verb that encodes or
+ * quantises. */
 static hdr_status convert_primaries(planning *p, hdr_error *err) {
     if (!p->foreign) return HDR_OK;
     hdr_run *run = p->run;
@@ -79,10 +80,11 @@ static hdr_status provide_facts(planning *p, int number, const hdr_clause *claus
     return status;
 }
 
-/* Where a step maps each channel by a curve that is monotone to the last bit, the range of the components maps along. It serves to
- * skip, not as a fact. */
+/* Where a step maps each channel by a curve that is monotone to the last bit, the range of the components maps along.
+ * It serves to skip, not as a fact. */
 static void carry_range(planning *p, const hdr_step *step, const hdr_facts *before) {
-    if (step->form != HDR_FORM_CHANNEL || !step->curve->monotone_to_the_bit || !(before->known & HDR_FACT_COMPONENTS)) return;
+    if (step->form != HDR_FORM_CHANNEL || !step->curve->monotone_to_the_bit || !(before->known & HDR_FACT_COMPONENTS))
+        return;
     p->range = (hdr_facts){.known = HDR_FACT_COMPONENTS};
     p->range.min_component = step->curve->exact(&step->constants, before->min_component);
     p->range.max_component = step->curve->exact(&step->constants, before->max_component);
@@ -106,8 +108,8 @@ static hdr_status plan_clause(planning *p, int number, const hdr_clause *clause,
     if (encodes || step.bits) status = convert_primaries(p, err);
     if (status) return status;
     if (step.bits && !encodes && !strcmp(p->state, "linear"))
-        hdr_say(run->listener, HDR_NOTE, "clause %d (%s): the picture is not encoded: %d bits of linear values", number, name,
-                step.bits);
+        hdr_say(run->listener, HDR_NOTE, "clause %d (%s): the picture is not encoded: %d bits of linear values", number,
+                name, step.bits);
     if (verdict == HDR_SKIP && !run->settings.no_skip) {
         hdr_say(run->listener, HDR_EXPLAIN, "clause %d (%s) skipped: %s", number, name, step.note);
     } else {
@@ -146,7 +148,8 @@ static hdr_status plan_filters(planning *p, hdr_error *err) {
 /* ---- Formats ---- */
 
 /* The format that is written: the last clause's, or by the ending of the output's name, or EXR. */
-static hdr_status choose_format(const hdr_chain *chain, const hdr_output *output, const hdr_verb **verb, hdr_error *err) {
+static hdr_status choose_format(const hdr_chain *chain, const hdr_output *output, const hdr_verb **verb,
+                                hdr_error *err) {
     const hdr_clause *last = chain->count ? &chain->clauses[chain->count - 1] : NULL;
     if (last && last->verb->about.kind == HDR_PROGRAM)
         return hdr_fail(err, HDR_USAGE, "%s writes no picture", last->verb->about.name);
@@ -162,7 +165,8 @@ static hdr_status choose_format(const hdr_chain *chain, const hdr_output *output
         *verb = candidate;
         return HDR_OK;
     }
-    return hdr_fail(err, HDR_USAGE, "%s: the ending %s is of no format that hdrpipe writes (.png .exr .pfm)", name, ending);
+    return hdr_fail(err, HDR_USAGE, "%s: the ending %s is of no format that hdrpipe writes (.png .exr .pfm)", name,
+                    ending);
 }
 
 /* What a format of codes adds where the chain has neither encoded nor quantised. */
@@ -298,7 +302,8 @@ static hdr_status finish_stats(planning *p, void *context, hdr_error *err) {
 hdr_status hdr_chain_stats(hdr_chain *chain, hdr_input *input, hdr_stats *stats, const hdr_listener *listener,
                            hdr_error *err) {
     const hdr_verb_about *last = hdr_chain_last(chain);
-    if (last && last->kind == HDR_FORMAT) return hdr_fail(err, HDR_USAGE, "no facts are taken of a file that is written");
+    if (last && last->kind == HDR_FORMAT)
+        return hdr_fail(err, HDR_USAGE, "no facts are taken of a file that is written");
     *stats = (hdr_stats){0};
     return run_chain(chain, input, listener, finish_stats, stats, err);
 }

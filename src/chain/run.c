@@ -34,7 +34,8 @@ hdr_status hdr_run_open(hdr_run *run, const hdr_chain *chain, hdr_input *input, 
     run->raw.grey = picture->planes == 1;
     run->raw.opaque = !picture->has_alpha;
     for (int c = 0; c < 4; c++)
-        if (picture->present[c]) run->kept_row += hdr_type_size(picture->channels[c].type) * (size_t)hdr_window_width(&picture->data);
+        if (picture->present[c])
+            run->kept_row += hdr_type_size(picture->channels[c].type) * (size_t)hdr_window_width(&picture->data);
     return open_threads(run, err);
 }
 
@@ -126,8 +127,8 @@ static bool repair(hdr_run *run, hdr_watch *watch, int channel, double *value) {
 }
 
 /* One channel's pixels in double. False: an infinity for which no replacement is known. */
-static bool load_plane(hdr_run *run, hdr_watch *watch, const hdr_block *block, int channel, int row, int x, size_t count,
-                       double *out) {
+static bool load_plane(hdr_run *run, hdr_watch *watch, const hdr_block *block, int channel, int row, int x,
+                       size_t count, double *out) {
     if (!block->plane[channel]) {
         memset(out, 0, count * sizeof *out);
         return true;
@@ -139,14 +140,16 @@ static bool load_plane(hdr_run *run, hdr_watch *watch, const hdr_block *block, i
             hdr_half_to_real(half, out, count);
             return true;
         }
-        for (size_t i = 0; i < count; i++) out[i] = hdr_half_value(half[i]);
+        for (size_t i = 0; i < count; i++)
+            out[i] = hdr_half_value(half[i]);
     } else {
         const float *values = (const float *)(const void *)at + x;
         hdr_float_to_real(values, out, count);
         if (hdr_float_all_finite(values, count)) return true;
     }
     bool known = true;
-    for (size_t i = 0; i < count; i++) known &= repair(run, watch, channel, &out[i]);
+    for (size_t i = 0; i < count; i++)
+        known &= repair(run, watch, channel, &out[i]);
     return known;
 }
 
@@ -193,7 +196,8 @@ bool hdr_run_load(hdr_run *run, int thread, const hdr_block *block, int row, int
         translucent = !all_one(strip->alpha, count);
         watch->translucent |= translucent;
         if (translucent)
-            for (int p = 0; p < strip->planes; p++) hdr_unassociate(strip->c[p], strip->alpha, count);
+            for (int p = 0; p < strip->planes; p++)
+                hdr_unassociate(strip->c[p], strip->alpha, count);
     }
     bool contradicted = !known || (colour && run->raw.grey) || (translucent && run->raw.opaque);
     if (contradicted) hdr_pool_stop(run->pool);
@@ -222,7 +226,8 @@ static hdr_status find_largest(void *context, int block, int thread, hdr_error *
 }
 
 static hdr_status find_replacements(hdr_run *run, hdr_error *err) {
-    for (int t = 0; t < run->thread_count; t++) memset(run->threads[t].largest, 0, sizeof run->threads[t].largest);
+    for (int t = 0; t < run->thread_count; t++)
+        memset(run->threads[t].largest, 0, sizeof run->threads[t].largest);
     hdr_status status = hdr_pool_run(run->pool, run->source->blocks, find_largest, run, err);
     if (status) return status;
     for (int t = 0; t < run->thread_count; t++)
@@ -230,7 +235,8 @@ static hdr_status find_replacements(hdr_run *run, hdr_error *err) {
             run->raw.replacement[c] = fmax(run->raw.replacement[c], run->threads[t].largest[c]);
     run->raw.replacements_known = true;
     run->sweeps++;
-    hdr_say(run->listener, HDR_EXPLAIN, "sweep %d: the largest finite value of each channel, for the infinities", run->sweeps);
+    hdr_say(run->listener, HDR_EXPLAIN, "sweep %d: the largest finite value of each channel, for the infinities",
+            run->sweeps);
     return HDR_OK;
 }
 
@@ -250,7 +256,8 @@ static hdr_watch merge_watches(const hdr_run *run) {
 
 static void count_of(char *text, size_t size, uint64_t count, const char *what, const char *became) {
     size_t used = strlen(text);
-    if (count) snprintf(text + used, size - used, "%s%llu %s (%s)", used ? ", " : "", (unsigned long long)count, what, became);
+    if (count)
+        snprintf(text + used, size - used, "%s%llu %s (%s)", used ? ", " : "", (unsigned long long)count, what, became);
 }
 
 /* The repaired components, said once. */
@@ -261,7 +268,8 @@ static hdr_status report_repairs(const hdr_run *run, hdr_error *err) {
     count_of(text, sizeof text, raw->negative_infinity, "-Inf", "now 0");
     count_of(text, sizeof text, raw->positive_infinity, "+Inf", "now the channel's largest finite value");
     if (!text[0]) return HDR_OK;
-    if (run->settings.strict) return hdr_fail(err, HDR_BAD_DATA, "components that are no finite numbers: %s; --strict", text);
+    if (run->settings.strict)
+        return hdr_fail(err, HDR_BAD_DATA, "components that are no finite numbers: %s; --strict", text);
     hdr_say(run->listener, HDR_NOTE, "repaired components: %s", text);
     return HDR_OK;
 }
@@ -279,7 +287,8 @@ hdr_status hdr_run_sweep(hdr_run *run, const hdr_sweep *sweep, hdr_error *err) {
     hdr_raw *raw = &run->raw;
     for (;;) {
         int items = 0;
-        for (int t = 0; t < run->thread_count; t++) run->threads[t].watch = (hdr_watch){0};
+        for (int t = 0; t < run->thread_count; t++)
+            run->threads[t].watch = (hdr_watch){0};
         hdr_status status = sweep->before(sweep->context, &items, err);
         if (!status) status = hdr_pool_run(run->pool, items, sweep->job, sweep->context, err);
         if (status) return status;
@@ -294,7 +303,8 @@ hdr_status hdr_run_sweep(hdr_run *run, const hdr_sweep *sweep, hdr_error *err) {
         if (met.colour && raw->grey) raw->grey = false, again = true;
         if (met.translucent && raw->opaque) raw->opaque = false, again = true;
         if (again) {
-            hdr_say(run->listener, HDR_EXPLAIN, "the picture is not what its middle looked like: the sweep begins again");
+            hdr_say(run->listener, HDR_EXPLAIN,
+                    "the picture is not what its middle looked like: the sweep begins again");
             continue;
         }
         run->sweeps++;
@@ -333,7 +343,8 @@ static hdr_status guess_job(void *context, int item, int thread, hdr_error *err)
 hdr_status hdr_run_guess(hdr_run *run, hdr_error *err) {
     const hdr_picture *picture = &run->source->picture;
     if (run->raw.certain || (picture->planes == 1 && !picture->has_alpha)) return HDR_OK;
-    for (int t = 0; t < run->thread_count; t++) run->threads[t].watch = (hdr_watch){0};
+    for (int t = 0; t < run->thread_count; t++)
+        run->threads[t].watch = (hdr_watch){0};
     hdr_status status = hdr_pool_run(run->pool, 1, guess_job, run, err);
     hdr_watch met = merge_watches(run);
     run->raw.grey = !met.colour;

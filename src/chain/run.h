@@ -8,8 +8,8 @@
 
 #include <stdatomic.h>
 
-/* What is known of the stored pixels as a whole. Until a sweep has seen all of them it is assumed; each sweep verifies what it
- * assumes, stops at the first pixel that contradicts, and is made again. */
+/* What is known of the stored pixels as a whole. Until a sweep has seen all of them it is assumed; each sweep verifies
+ * what it assumes, stops at the first pixel that contradicts, and is made again. */
 typedef struct hdr_raw {
     bool certain;
     bool grey;   /* one plane, or R = G = B bit for bit after repair */
@@ -26,12 +26,12 @@ typedef struct hdr_watch {
 } hdr_watch;
 
 typedef struct hdr_thread {
-    void *worker;             /* of the source */
-    hdr_strip *strip;         /* 64-byte aligned */
-    double largest[4];        /* sweep for replacements: largest finite value of each channel */
+    void *worker;      /* of the source */
+    hdr_strip *strip;  /* 64-byte aligned */
+    double largest[4]; /* sweep for replacements: largest finite value of each channel */
     hdr_watch watch;
-    void *packer;             /* of the sink */
-    unsigned char *samples;   /* a band */
+    void *packer;           /* of the sink */
+    unsigned char *samples; /* a band */
 } hdr_thread;
 
 typedef struct hdr_run {
@@ -54,7 +54,8 @@ typedef struct hdr_run {
 } hdr_run;
 
 /* Opens everything: head, source, pool. Free with hdr_run_close in any case; the chain is the one behind the head. */
-hdr_status hdr_run_open(hdr_run *run, const hdr_chain *chain, hdr_input *input, const hdr_listener *listener, hdr_error *err);
+hdr_status hdr_run_open(hdr_run *run, const hdr_chain *chain, hdr_input *input, const hdr_listener *listener,
+                        hdr_error *err);
 void hdr_run_close(hdr_run *run);
 
 /* From now on decoded blocks are kept, if they fit in --memory: another sweep will come. */
@@ -63,12 +64,14 @@ void hdr_run_keep(hdr_run *run);
 /* A block, from memory or decoded. */
 hdr_status hdr_run_read(hdr_run *run, int thread, int block, hdr_block *out, hdr_error *err);
 
-/* Reads count pixels from x on of a block's row (counted from the block's first) into the thread's strip: repaired, straight
- * colour, one plane where the picture is taken for grey and `reduce` is set. alpha: fill the strip's alpha. False: the pixels
- * contradict what is assumed; the sweep has been stopped. */
-bool hdr_run_load(hdr_run *run, int thread, const hdr_block *block, int row, int x, size_t count, bool reduce, bool alpha);
+/* Reads count pixels from x on of a block's row (counted from the block's first) into the thread's strip: repaired,
+ * straight colour, one plane where the picture is taken for grey and `reduce` is set. alpha: fill the strip's alpha.
+ * False: the pixels contradict what is assumed; the sweep has been stopped. */
+bool hdr_run_load(hdr_run *run, int thread, const hdr_block *block, int row, int x, size_t count, bool reduce,
+                  bool alpha);
 
-/* How a sweep is made: `before` is called in front of each attempt and tells how many items there are; then job for each. */
+/* How a sweep is made: `before` is called in front of each attempt and tells how many items there are; then job for
+ * each. */
 typedef struct hdr_sweep {
     hdr_status (*before)(void *context, int *items, hdr_error *err);
     hdr_job job;
@@ -76,7 +79,8 @@ typedef struct hdr_sweep {
     bool depends; /* what it makes depends on whether the picture is grey or opaque, not only on its values */
 } hdr_sweep;
 
-/* Makes a sweep, again if what it assumed turns out not to hold. The first that comes to its end makes the raw facts certain. */
+/* Makes a sweep, again if what it assumed turns out not to hold. The first that comes to its end makes the raw facts
+ * certain. */
 hdr_status hdr_run_sweep(hdr_run *run, const hdr_sweep *sweep, hdr_error *err);
 
 /* The facts of what the steps make of the picture. */
@@ -88,7 +92,7 @@ hdr_status hdr_run_guess(hdr_run *run, hdr_error *err);
 /* ---- write.c ---- */
 
 /* Makes the sweep that writes: format's clause may be NULL (its defaults). */
-hdr_status hdr_run_write(hdr_run *run, const hdr_verb *format, const void *params, hdr_output *output, const char *state,
-                         int bits, bool converted, hdr_error *err);
+hdr_status hdr_run_write(hdr_run *run, const hdr_verb *format, const void *params, hdr_output *output,
+                         const char *state, int bits, bool converted, hdr_error *err);
 
 #endif

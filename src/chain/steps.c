@@ -29,7 +29,8 @@ static void apply_rows(hdr_strip *strip, const hdr_step *step) {
         step->curve->rows(&step->constants, strip->ld, strip->count);
         if (step->saturation == 1) {
             hdr_luminance_ratio(strip->y, strip->ld, strip->count);
-            for (int p = 0; p < strip->planes; p++) hdr_multiply(strip->c[p], strip->ld, strip->count);
+            for (int p = 0; p < strip->planes; p++)
+                hdr_multiply(strip->c[p], strip->ld, strip->count);
         } else {
             for (int p = 0; p < strip->planes; p++)
                 hdr_saturate(strip->c[p], strip->y, strip->ld, step->saturation, strip->count);
@@ -50,7 +51,8 @@ static double hold(double c) {
 static void reference_pixel(const hdr_step *step, double *pixel[3], int planes) {
     double r = *pixel[0], g = planes == 3 ? *pixel[1] : r, b = planes == 3 ? *pixel[2] : r;
     if (step->form == HDR_FORM_CHANNEL) {
-        for (int p = 0; p < planes; p++) *pixel[p] = hold(step->curve->exact(&step->constants, *pixel[p]));
+        for (int p = 0; p < planes; p++)
+            *pixel[p] = hold(step->curve->exact(&step->constants, *pixel[p]));
     } else if (step->form == HDR_FORM_LUMINANCE) {
         const double *w = step->luminance;
         double y = r == g && g == b ? r : w[0] * r + w[1] * g + w[2] * b;
@@ -75,12 +77,14 @@ static void reference_pixel(const hdr_step *step, double *pixel[3], int planes) 
 
 void hdr_strip_apply(hdr_strip *strip, const hdr_step *steps, int first, int end, bool reference) {
     if (!reference) {
-        for (int s = first; s < end; s++) apply_rows(strip, &steps[s]);
+        for (int s = first; s < end; s++)
+            apply_rows(strip, &steps[s]);
         return;
     }
     for (size_t i = 0; i < strip->count; i++) {
         double *pixel[3] = {&strip->c[0][i], &strip->c[1][i], &strip->c[2][i]};
-        for (int s = first; s < end; s++) reference_pixel(&steps[s], pixel, strip->planes);
+        for (int s = first; s < end; s++)
+            reference_pixel(&steps[s], pixel, strip->planes);
     }
 }
 
@@ -88,7 +92,8 @@ void hdr_strip_apply(hdr_strip *strip, const hdr_step *steps, int first, int end
 
 int hdr_steps_tail(const hdr_step *steps, int count) {
     int tail = count;
-    while (tail > 0 && steps[tail - 1].form == HDR_FORM_CHANNEL) tail--;
+    while (tail > 0 && steps[tail - 1].form == HDR_FORM_CHANNEL)
+        tail--;
     return tail;
 }
 
@@ -103,8 +108,8 @@ static void codes_of(const hdr_step *steps, int step_count, const double *values
     hdr_codes_u8(work, 255, codes, 1, count);
 }
 
-/* All thresholds at once by bisection over the bits of positive doubles, which order as the doubles do. Exact: every step is
- * monotone, so the smallest value with a code of k or more is where the bisection ends. */
+/* All thresholds at once by bisection over the bits of positive doubles, which order as the doubles do. Exact: every
+ * step is monotone, so the smallest value with a code of k or more is where the bisection ends. */
 bool hdr_steps_tabulate(const hdr_step *steps, int count, hdr_code_table *table) {
     enum { TOP = 255 };
     double probe[TOP + 1] = {0, -(double)FLT_MAX, (double)FLT_MAX};
@@ -118,7 +123,8 @@ bool hdr_steps_tabulate(const hdr_step *steps, int count, hdr_code_table *table)
         high[k] = hdr_real_bits((double)FLT_MAX);
     }
     for (int halving = 0; halving < 63; halving++) {
-        for (unsigned k = 0; k <= TOP; k++) probe[k] = hdr_real_from_bits(low[k] + (high[k] - low[k]) / 2);
+        for (unsigned k = 0; k <= TOP; k++)
+            probe[k] = hdr_real_from_bits(low[k] + (high[k] - low[k]) / 2);
         codes_of(steps, count, probe, code, TOP + 1);
         for (unsigned k = 0; k <= TOP; k++) {
             uint64_t middle = hdr_real_bits(probe[k]);

@@ -24,7 +24,8 @@ void hdr_strip_apply(hdr_strip *strip, const hdr_step *steps, int first, int end
 /* The first of the steps that close the chain and work on each channel by itself. */
 int hdr_steps_tail(const hdr_step *steps, int count);
 
-/* Thresholds of the 8-bit code that the steps and rounding to 255 make of a number. False if the steps cannot be held so. */
+/* Thresholds of the 8-bit code that the steps and rounding to 255 make of a number. False if the steps cannot be held
+ * so. */
 bool hdr_steps_tabulate(const hdr_step *steps, int count, hdr_code_table *table);
 
 #endif

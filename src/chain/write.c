@@ -10,15 +10,15 @@ typedef struct writing {
     const hdr_verb *format;
     const void *params;
     hdr_output *output;
-    hdr_frame frame;      /* planes and alpha are set by each attempt */
-    bool may_be_grey;     /* the format stores one plane where the picture is grey */
+    hdr_frame frame;  /* planes and alpha are set by each attempt */
+    bool may_be_grey; /* the format stores one plane where the picture is grey */
     hdr_sink *sink;
-    int *first_row;       /* bands: band i is the frame's rows first_row[i] ... first_row[i+1]-1 */
+    int *first_row; /* bands: band i is the frame's rows first_row[i] ... first_row[i+1]-1 */
     int bands;
-    int tail;             /* first of the steps that the table stands for; all steps before are done by rows */
+    int tail; /* first of the steps that the table stands for; all steps before are done by rows */
     bool tabulated;
     hdr_code_table *table;
-    uint8_t *half_codes;  /* codes of all half values, or NULL where that does not serve */
+    uint8_t *half_codes; /* codes of all half values, or NULL where that does not serve */
 } writing;
 
 /* ---- Bands ---- */
@@ -27,8 +27,8 @@ static void add_band(writing *w, int64_t row) {
     if (row > w->first_row[w->bands] && row < w->frame.height) w->first_row[++w->bands] = (int)row;
 }
 
-/* Bands follow the source's blocks where the format leaves it open, so that each block is decoded by one thread, once. Rows without
- * pixels, above and below, come in bands of the same height. */
+/* Bands follow the source's blocks where the format leaves it open, so that each block is decoded by one thread, once.
+ * Rows without pixels, above and below, come in bands of the same height. */
 static hdr_status cut_bands(writing *w, hdr_error *err) {
     const hdr_source *source = w->run->source;
     int multiple = w->sink->band_multiple, height = w->frame.height;
@@ -41,7 +41,8 @@ static hdr_status cut_bands(writing *w, hdr_error *err) {
     w->first_row = hdr_alloc((size_t)(height / step) + 4, sizeof *w->first_row);
     if (!w->first_row) return hdr_fail(err, HDR_INTERNAL, "out of memory");
     w->bands = 0;
-    for (int64_t row = offset; row < height; row += step) add_band(w, row);
+    for (int64_t row = offset; row < height; row += step)
+        add_band(w, row);
     w->first_row[++w->bands] = height;
     return HDR_OK;
 }
@@ -71,7 +72,8 @@ static void close_sink(writing *w) {
 static bool serves_half_codes(const writing *w) {
     const hdr_picture *picture = &w->run->source->picture;
     bool half = true;
-    for (int p = 0; p < picture->planes; p++) half &= picture->present[p] && picture->channels[p].type == HDR_HALF;
+    for (int p = 0; p < picture->planes; p++)
+        half &= picture->present[p] && picture->channels[p].type == HDR_HALF;
     return half && w->tabulated && w->tail == 0 && w->run->raw.opaque && !w->frame.alpha;
 }
 
@@ -152,12 +154,13 @@ static void store_samples(const writing *w, hdr_strip *strip, unsigned char *row
 
 static bool all_one_half(const uint16_t *half, size_t count) {
     uint16_t difference = 0;
-    for (size_t i = 0; i < count; i++) difference |= half[i] ^ 0x3c00u;
+    for (size_t i = 0; i < count; i++)
+        difference |= half[i] ^ 0x3c00u;
     return difference == 0;
 }
 
-/* Half values of a row piece straight to codes. False: there is something to repair, or what is assumed does not hold; the other path
- * settles it. */
+/* Half values of a row piece straight to codes. False: there is something to repair, or what is assumed does not hold;
+ * the other path settles it. */
 static bool store_half_codes(const writing *w, int thread, const hdr_block *block, int row, int x, size_t count,
                              unsigned char *out) {
     const hdr_run *run = w->run;
@@ -193,11 +196,13 @@ static bool make_row(const writing *w, int thread, const hdr_block *block, int r
     for (int64_t at = left; at <= right; at += HDR_STRIP) {
         size_t count = right - at + 1 < HDR_STRIP ? (size_t)(right - at + 1) : HDR_STRIP;
         int x = (int)(at - data->min_x), frame_x = (int)(at - window->min_x);
-        if (store_half_codes(w, thread, block, row, x, count, out + (size_t)frame_x * (size_t)w->frame.planes)) continue;
+        if (store_half_codes(w, thread, block, row, x, count, out + (size_t)frame_x * (size_t)w->frame.planes))
+            continue;
         if (!hdr_run_load(run, thread, block, row, x, count, w->may_be_grey, w->frame.alpha)) return false;
         hdr_strip_apply(strip, run->steps, 0, w->tabulated ? w->tail : run->step_count, run->settings.reference);
         if (!w->format->format->codes && !run->raw.opaque)
-            for (int p = 0; p < strip->planes; p++) hdr_associate(strip->c[p], strip->alpha, count);
+            for (int p = 0; p < strip->planes; p++)
+                hdr_associate(strip->c[p], strip->alpha, count);
         store_samples(w, strip, out, frame_x);
     }
     return true;
@@ -249,7 +254,8 @@ static hdr_status choose_frame(writing *w, hdr_error *err) {
     double data_area = (double)hdr_window_width(&picture->data) * (double)hdr_window_height(&picture->data);
     /* a display window that is mostly black is one thing, one of 10^18 pixels a damaged file */
     if (width < 1 || height < 1 || width > INT32_MAX || height > INT32_MAX || (area > 0x1p27 && area > 64 * data_area))
-        return hdr_fail(err, HDR_BAD_DATA, "the display window of %lld x %lld pixels cannot be written; try --window data",
+        return hdr_fail(err, HDR_BAD_DATA,
+                        "the display window of %lld x %lld pixels cannot be written; try --window data",
                         (long long)width, (long long)height);
     w->frame.width = (int)width;
     w->frame.height = (int)height;
@@ -259,8 +265,8 @@ static hdr_status choose_frame(writing *w, hdr_error *err) {
     return HDR_OK;
 }
 
-/* A file whose pixels outside the frame are never looked at still has to be whole, and its repairs counted: they are facts over the
- * data window. One sweep over all blocks settles it where the writing sweep would not see them all. */
+/* A file whose pixels outside the frame are never looked at still has to be whole, and its repairs counted: they are
+ * facts over the data window. One sweep over all blocks settles it where the writing sweep would not see them all. */
 static bool sees_all(const writing *w) {
     const hdr_window *data = &w->run->source->picture.data, *window = &w->frame.data;
     return window->min_x <= data->min_x && window->max_x >= data->max_x && window->min_y <= data->min_y &&
@@ -270,18 +276,21 @@ static bool sees_all(const writing *w) {
 static void explain_tail(const writing *w) {
     const hdr_run *run = w->run;
     if (w->half_codes)
-        hdr_say(run->listener, HDR_EXPLAIN, "each channel by itself from half: a table of 65536 codes stands for the whole chain");
+        hdr_say(run->listener, HDR_EXPLAIN,
+                "each channel by itself from half: a table of 65536 codes stands for the whole chain");
     else if (w->tabulated)
-        hdr_say(run->listener, HDR_EXPLAIN, "the last %d of %d steps: 255 thresholds stand for them, only 256 codes can come out",
+        hdr_say(run->listener, HDR_EXPLAIN,
+                "the last %d of %d steps: 255 thresholds stand for them, only 256 codes can come out",
                 run->step_count - w->tail, run->step_count);
     if (run->source->picture.planes == 3 && w->frame.planes == 1)
         hdr_say(run->listener, HDR_EXPLAIN, "R = G = B everywhere: one plane is computed and written");
     if (run->source->picture.has_alpha && run->raw.opaque)
-        hdr_say(run->listener, HDR_EXPLAIN, "alpha is 1 everywhere: %s", w->frame.alpha ? "kept for the border" : "dropped");
+        hdr_say(run->listener, HDR_EXPLAIN, "alpha is 1 everywhere: %s",
+                w->frame.alpha ? "kept for the border" : "dropped");
 }
 
-hdr_status hdr_run_write(hdr_run *run, const hdr_verb *format, const void *params, hdr_output *output, const char *state,
-                         int bits, bool converted, hdr_error *err) {
+hdr_status hdr_run_write(hdr_run *run, const hdr_verb *format, const void *params, hdr_output *output,
+                         const char *state, int bits, bool converted, hdr_error *err) {
     const hdr_picture *picture = &run->source->picture;
     writing w = {.run = run, .format = format, .params = params, .output = output};
     int sample_bits = format->format->codes ? format->format->bits(params, bits) : 0;

@@ -1,22 +1,23 @@
 /* The EXR sink: one scan-line part, by way of OpenEXRCore. Each band becomes whole chunks on the thread that computed
  * it, ready to be written in order. ZIP and ZIPS are compressed here, with the predictor taken straight from the
- * samples and libdeflate; the other compressions by the library's encoding pipeline, of which only the compressing
+ * samples and ISA-L; the other compressions by the library's encoding pipeline, of which only the compressing
  * stage is left. */
 #include "io/sink.h"
 
 #include "kernel/predict_encode.h"
 
-#include <libdeflate.h>
+#include <isa-l/igzip_lib.h>
 #include <openexr.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum {
-    ZIP_LEVEL = 4,            /* libdeflate's */
-    ROWS_AT_LEAST = 16,       /* of a band, where the compression alone would allow single rows */
-    B44_BLOCK_BYTES = 14,     /* of 4 x 4 half pixels */
-    GATHERED_MAX = 64 * 1024, /* writes at least this long are not worth gathering */
-    CHANNELS_MAX = 4
+    /* ISA-L's. Measured on renders, 1 core: 300 to 480 MB/s, where libdeflate's level 4 does 80 to 180 for a file
+     * smaller by 5 to 10 %. */
+    ZIP_LEVEL = 2,
+    ROWS_AT_LEAST = 16,      /* of a band, where the compression alone would allow single rows */
+    B44_BLOCK_BYTES = 14,    /* of 4 x 4 half pixels */
+    GATHERED_MAX = 64 * 1024 /* writes at least this long are not worth gathering */
 };
 
 const char *const hdr_compression_names[] = {"none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", NULL};
@@ -50,7 +51,8 @@ typedef struct exr_packer {
     unsigned char *raw;      /* one chunk's bytes as an uncompressed file has them, or after the predictor */
     unsigned char *squeezed; /* what the library makes of raw */
     size_t raw_room, squeezed_room;
-    struct libdeflate_compressor *deflate;
+    struct isal_zstream deflate;
+    unsigned char *deflate_level; /* the buffer that ISA-L wants for its level */
     exr_encode_pipeline_t encode;
     bool encode_ready;
 } exr_packer;
@@ -203,12 +205,24 @@ static void pack_predicted(const hdr_frame *frame, const unsigned char *samples,
     out[half] = (uint8_t)(first_odd - before[0] + 128);
 }
 
-/* Returns the size of a chunk that is smaller than its raw bytes, or 0. */
+/* Returns the size of a chunk that became smaller than its raw bytes, or 0. It is offered no more room than that. */
 static size_t deflate_chunk(exr_packer *packer, const hdr_frame *frame, const unsigned char *samples, int rows,
                             unsigned char *out) {
     size_t size = hdr_frame_row_bytes(frame) * (size_t)rows;
+    struct isal_zstream *stream = &packer->deflate;
     pack_predicted(frame, samples, rows, packer->raw);
-    return libdeflate_zlib_compress(packer->deflate, packer->raw, size, out, size - 1);
+    isal_deflate_init(stream);
+    stream->level = ZIP_LEVEL;
+    stream->level_buf = packer->deflate_level;
+    stream->level_buf_size = ISAL_DEF_LVL2_DEFAULT;
+    stream->gzip_flag = IGZIP_ZLIB;
+    stream->end_of_stream = 1;
+    stream->next_in = packer->raw;
+    stream->avail_in = (uint32_t)size;
+    stream->next_out = out;
+    stream->avail_out = (uint32_t)size - 1;
+    if (isal_deflate(stream) != COMP_OK || stream->internal_state.state != ZSTATE_END) return 0;
+    return (size_t)(stream->next_out - out);
 }
 
 /* The pipeline's packing stage, called under the context's lock, finds the work done. */
@@ -288,6 +302,9 @@ static hdr_status prepare_packer(const exr_sink *self, exr_packer *packer, int r
     const hdr_frame *frame = &self->sink.frame;
     size_t row_bytes = hdr_frame_row_bytes(frame);
     int chunk_rows = rows < self->chunk_rows ? rows : self->chunk_rows;
+    if (row_bytes > INT32_MAX / (size_t)chunk_rows)
+        return hdr_fail(err, HDR_BAD_DATA, "%s: rows are too wide for EXR chunks of %d rows",
+                        hdr_output_name(self->sink.output), chunk_rows);
     size_t chunks = ((size_t)rows + (size_t)self->chunk_rows - 1) / (size_t)self->chunk_rows;
     if (chunks > packer->chunk_room) {
         exr_chunk *grown = hdr_grow(packer->chunks, chunks, sizeof *grown);
@@ -331,7 +348,7 @@ static void exr_packer_free(hdr_sink *sink, void *packer) {
         band->encode.packed_buffer = band->encode.compressed_buffer = NULL;
         (void)exr_encoding_destroy(self->context, &band->encode); /* frees the library's scratch memory */
     }
-    libdeflate_free_compressor(band->deflate);
+    free(band->deflate_level);
     free(band->chunks);
     free(band->packed);
     free(band->raw);
@@ -341,8 +358,8 @@ static void exr_packer_free(hdr_sink *sink, void *packer) {
 
 static hdr_status exr_packer_new(hdr_sink *sink, void **packer, hdr_error *err) {
     exr_packer *band = hdr_alloc(1, sizeof *band);
-    if (band) band->deflate = libdeflate_alloc_compressor(ZIP_LEVEL);
-    if (!band || !band->deflate) {
+    if (band) band->deflate_level = hdr_alloc(1, ISAL_DEF_LVL2_DEFAULT);
+    if (!band || !band->deflate_level) {
         exr_packer_free(sink, band);
         return out_of_memory(sink, err);
     }

@@ -6,8 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-/* The most thresholds that share a bucket when the buckets are 2^-fraction_bits of an octave, or INT32_MAX if the table is too
- * small for so many buckets. */
+/* The most thresholds that share a bucket when the buckets are 2^-fraction_bits of an octave, or INT32_MAX if the table
+ * is too small for so many buckets. */
 static int crowding(const hdr_code_table *table, int top, int lowest, int shift) {
     int64_t first = (int64_t)hdr_real_bits(table->threshold[lowest]) >> shift;
     int most = 0, here = 0;
@@ -23,9 +23,11 @@ static int crowding(const hdr_code_table *table, int top, int lowest, int shift)
 }
 
 void hdr_code_table_index(hdr_code_table *table, int top) {
-    for (int k = top + 1; k < 256 + 8; k++) table->threshold[k] = (double)INFINITY;
+    for (int k = top + 1; k < 256 + 8; k++)
+        table->threshold[k] = (double)INFINITY;
     int lowest = 1;
-    while (lowest <= top && table->threshold[lowest] <= 0) lowest++;
+    while (lowest <= top && table->threshold[lowest] <= 0)
+        lowest++;
     memset(table->base, lowest - 1, sizeof table->base);
     table->first = table->last = 0;
     table->shift = 52;
@@ -44,15 +46,16 @@ void hdr_code_table_index(hdr_code_table *table, int top) {
     int64_t bucket = 0;
     for (; bucket < HDR_CODE_BUCKETS; bucket++) {
         double start = hdr_real_from_bits((uint64_t)(table->first + (bucket << table->shift)));
-        while (code < top && table->threshold[code + 1] <= start) code++;
+        while (code < top && table->threshold[code + 1] <= start)
+            code++;
         table->base[bucket] = (uint8_t)code;
         table->last = table->first + (bucket << table->shift);
         if (code == top || !isfinite(table->threshold[code + 1])) break; /* all above has this code */
     }
 }
 
-/* The first bucket may begin below the first threshold, and values below it are raised to its lowest: same code, since the
- * comparison is with the value itself. */
+/* The first bucket may begin below the first threshold, and values below it are raised to its lowest: same code, since
+ * the comparison is with the value itself. */
 HDR_INLINE void lookup(const hdr_code_table *table, const double *c, uint8_t *out, size_t stride, size_t count,
                        int compares) {
     const int64_t first = table->first, last = table->last;
@@ -63,7 +66,8 @@ HDR_INLINE void lookup(const hdr_code_table *table, const double *c, uint8_t *ou
         bits = bits > first ? bits : first;
         bits = bits < last ? bits : last;
         unsigned code = table->base[(bits - first) >> shift];
-        for (int k = 0; k < compares; k++) code += value >= table->threshold[code + 1];
+        for (int k = 0; k < compares; k++)
+            code += value >= table->threshold[code + 1];
         out[i * stride] = (uint8_t)code;
     }
 }
@@ -77,7 +81,8 @@ void hdr_code_lookup(const hdr_code_table *table, const double *c, uint8_t *out,
 
 void hdr_code_half(const uint8_t codes[65536], const uint16_t *const plane[3], int planes, uint8_t *out, size_t count) {
     if (planes == 1) {
-        for (size_t i = 0; i < count; i++) out[i] = codes[plane[0][i]];
+        for (size_t i = 0; i < count; i++)
+            out[i] = codes[plane[0][i]];
         return;
     }
     const uint16_t *r = plane[0], *g = plane[1], *b = plane[2];

@@ -4,11 +4,12 @@
 
 #include "base/base.h"
 
-/* A monotone function from doubles to the codes 0 ... top <= 255, held as its thresholds. threshold[k] is the smallest double, 0 or
- * above, whose code is k or more; +inf where there is none. All values below 0 have the code of 0.
+/* A monotone function from doubles to the codes 0 ... top <= 255, held as its thresholds. threshold[k] is the smallest
+ * double, 0 or above, whose code is k or more; +inf where there is none. All values below 0 have the code of 0.
  *
- * A value finds its code in two steps. Positive doubles order as their bits do, so bits >> shift number buckets, of which base tells
- * the code of the lowest value; as many comparisons with the next thresholds follow as one bucket may hold thresholds
+ * A value finds its code in two steps. Positive doubles order as their bits do, so bits >> shift number buckets, of
+ * which base tells the code of the lowest value; as many comparisons with the next thresholds follow as one bucket may
+ * hold thresholds
  * (`compares`), nearly always one. */
 #define HDR_CODE_BUCKETS 16384
 typedef struct hdr_code_table {

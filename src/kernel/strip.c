@@ -48,8 +48,9 @@ bool hdr_float_all_finite(const float *values, size_t count) {
     return largest < 0x7f800000u;
 }
 
-/* A half's exponent and fraction, moved to float's place, are the value times 2^-112. Subnormal halves would be subnormal floats
- * there, which are slow to work with: they get 2^-14 added (as 1.f 2^-14) and taken off again, which is exact. */
+/* A half's exponent and fraction, moved to float's place, are the value times 2^-112. Subnormal halves would be
+ * subnormal floats there, which are slow to work with: they get 2^-14 added (as 1.f 2^-14) and taken off again, which
+ * is exact. */
 HDR_INLINE double finite_half(uint16_t half) {
     uint32_t magnitude = (uint32_t)(half & 0x7fffu) << 13;
     bool subnormal = magnitude < (1u << 23);
@@ -65,12 +66,14 @@ HDR_INLINE double finite_half(uint16_t half) {
 }
 
 HDR_INLINE void hdr_half_to_real_body(const uint16_t *half, double *out, size_t count) {
-    for (size_t i = 0; i < count; i++) out[i] = finite_half(half[i]);
+    for (size_t i = 0; i < count; i++)
+        out[i] = finite_half(half[i]);
 }
 HDR_VERSIONS(hdr_half_to_real, (const uint16_t *half, double *out, size_t count), (half, out, count))
 
 HDR_INLINE void hdr_float_to_real_body(const float *values, double *out, size_t count) {
-    for (size_t i = 0; i < count; i++) out[i] = (double)values[i];
+    for (size_t i = 0; i < count; i++)
+        out[i] = (double)values[i];
 }
 HDR_VERSIONS(hdr_float_to_real, (const float *values, double *out, size_t count), (values, out, count))
 
@@ -83,12 +86,13 @@ double hdr_half_value(uint16_t half) {
 /* ---- To the stored type ---- */
 
 HDR_INLINE void hdr_real_to_float_body(const double *in, float *out, size_t count) {
-    for (size_t i = 0; i < count; i++) out[i] = (float)held(in[i]);
+    for (size_t i = 0; i < count; i++)
+        out[i] = (float)held(in[i]);
 }
 HDR_VERSIONS(hdr_real_to_float, (const double *in, float *out, size_t count), (in, out, count))
 
-/* Rounding is done by the addition of a number so large that its last place is the half's: in double, where the sum of a value and
- * such a number is rounded once, to nearest even. */
+/* Rounding is done by the addition of a number so large that its last place is the half's: in double, where the sum of
+ * a value and such a number is rounded once, to nearest even. */
 HDR_INLINE uint16_t nearest_half(double value) {
     uint64_t bits;
     memcpy(&bits, &value, 8);
@@ -98,7 +102,8 @@ HDR_INLINE uint16_t nearest_half(double value) {
     double floor_of_exponent = magnitude > 0x1p-14 ? magnitude : 0x1p-14;
     uint64_t exponent;
     memcpy(&exponent, &floor_of_exponent, 8);
-    exponent = (exponent & 0x7ff0000000000000u) + ((uint64_t)42 << 52); /* 2^e becomes 2^(e + 42): its last place is 2^(e-10) */
+    exponent = (exponent & 0x7ff0000000000000u) +
+               ((uint64_t)42 << 52); /* 2^e becomes 2^(e + 42): its last place is 2^(e-10) */
     double anchor;
     memcpy(&anchor, &exponent, 8);
     double rounded = (magnitude + anchor) - anchor;
@@ -114,7 +119,8 @@ HDR_INLINE uint16_t nearest_half(double value) {
 }
 
 HDR_INLINE void hdr_real_to_half_body(const double *in, uint16_t *out, size_t count) {
-    for (size_t i = 0; i < count; i++) out[i] = nearest_half(in[i]);
+    for (size_t i = 0; i < count; i++)
+        out[i] = nearest_half(in[i]);
 }
 HDR_VERSIONS(hdr_real_to_half, (const double *in, uint16_t *out, size_t count), (in, out, count))
 
@@ -192,7 +198,8 @@ HDR_INLINE void hdr_associate_body(double *c, const double *alpha, size_t count)
 HDR_VERSIONS(hdr_associate, (double *c, const double *alpha, size_t count), (c, alpha, count))
 
 HDR_INLINE void hdr_hold_body(double *c, size_t count) {
-    for (size_t i = 0; i < count; i++) c[i] = held(c[i]);
+    for (size_t i = 0; i < count; i++)
+        c[i] = held(c[i]);
 }
 HDR_VERSIONS(hdr_hold, (double *c, size_t count), (c, count))
 
@@ -206,13 +213,15 @@ HDR_INLINE int32_t code_of(double c, double top) {
 }
 
 HDR_INLINE void hdr_codes_u8_body(const double *c, double top, uint8_t *out, size_t stride, size_t count) {
-    for (size_t i = 0; i < count; i++) out[i * stride] = (uint8_t)code_of(c[i], top);
+    for (size_t i = 0; i < count; i++)
+        out[i * stride] = (uint8_t)code_of(c[i], top);
 }
 HDR_VERSIONS(hdr_codes_u8, (const double *c, double top, uint8_t *out, size_t stride, size_t count),
              (c, top, out, stride, count))
 
 HDR_INLINE void hdr_codes_u16_body(const double *c, double top, uint16_t *out, size_t stride, size_t count) {
-    for (size_t i = 0; i < count; i++) out[i * stride] = (uint16_t)code_of(c[i], top);
+    for (size_t i = 0; i < count; i++)
+        out[i * stride] = (uint16_t)code_of(c[i], top);
 }
 HDR_VERSIONS(hdr_codes_u16, (const double *c, double top, uint16_t *out, size_t stride, size_t count),
              (c, top, out, stride, count))
@@ -222,7 +231,8 @@ HDR_VERSIONS(hdr_codes_u16, (const double *c, double top, uint16_t *out, size_t 
 /* Extremes do not depend on the order: eight lanes let every instruction set keep them in its registers. */
 HDR_INLINE void hdr_range_add_body(hdr_range *range, const double *values, size_t count) {
     double min[8], max[8], positive[8];
-    for (int l = 0; l < 8; l++) min[l] = range->min, max[l] = range->max, positive[l] = range->min_positive;
+    for (int l = 0; l < 8; l++)
+        min[l] = range->min, max[l] = range->max, positive[l] = range->min_positive;
     size_t whole = count / 8 * 8;
     for (size_t i = 0; i < whole; i += 8)
         for (int l = 0; l < 8; l++) {
@@ -244,19 +254,24 @@ HDR_INLINE void hdr_range_add_body(hdr_range *range, const double *values, size_
         range->min_positive = positive[l] < range->min_positive ? positive[l] : range->min_positive;
     }
 }
-HDR_VERSIONS(hdr_range_add, (hdr_range *range, const double *values, size_t count), (range, values, count))
+HDR_VERSIONS(hdr_range_add, (hdr_range * range, const double *values, size_t count), (range, values, count))
 
 HDR_INLINE void hdr_sum_logs_body(const double *y, double lanes[8], uint64_t *lit, size_t count) {
     double logs[HDR_STRIP];
     while (count > 0) {
         size_t n = count < HDR_STRIP ? count : HDR_STRIP;
         double number = 0;
-        for (size_t i = 0; i < n; i++) logs[i] = hdr_log(y[i] > 0 ? y[i] : 1); /* ln 1 = 0 adds nothing */
-        for (size_t i = 0; i < n; i++) number += y[i] > 0 ? 1.0 : 0.0;         /* whole numbers: exact in any order */
+        for (size_t i = 0; i < n; i++)
+            logs[i] = hdr_log(y[i] > 0 ? y[i] : 1); /* ln 1 = 0 adds nothing */
+        for (size_t i = 0; i < n; i++)
+            number += y[i] > 0 ? 1.0 : 0.0; /* whole numbers: exact in any order */
         size_t whole = n / 8 * 8;
         for (size_t i = 0; i < whole; i += 8)
-            for (int l = 0; l < 8; l++) lanes[l] += logs[i + (size_t)l];
-        for (size_t i = whole; i < n; i++) lanes[i - whole] += logs[i];
+            for (int l = 0; l < 8; l++)
+                /* cppcheck-suppress uninitvar */
+                lanes[l] += logs[i + (size_t)l];
+        for (size_t i = whole; i < n; i++)
+            lanes[i - whole] += logs[i];
         *lit += (uint64_t)number;
         y += n;
         count -= n;

@@ -1,5 +1,6 @@
-/* Inner loops over a strip: a piece of a row that stays in the first-level cache, planar, in double. All take counts, none allocates;
- * none knows what a verb is. Each has one plain C source that is compiled for every instruction set (base/cpu.h). */
+/* Inner loops over a strip: a piece of a row that stays in the first-level cache, planar, in double. All take counts,
+ * none allocates; none knows what a verb is. Each has one plain C source that is compiled for every instruction set
+ * (base/cpu.h). */
 #ifndef HDR_STRIP_H
 #define HDR_STRIP_H
 
@@ -28,8 +29,8 @@ uint16_t hdr_half_nearest(double value);
 
 /* ---- Colour ---- */
 
-/* Y = w[0] r + w[1] g + w[2] b, summed in this order; r itself where r = g = b, since the weights add up to 1: so a grey picture has the
- * same Y whether it is stored in one plane or in three. */
+/* Y = w[0] r + w[1] g + w[2] b, summed in this order; r itself where r = g = b, since the weights add up to 1: so a
+ * grey picture has the same Y whether it is stored in one plane or in three. */
 void hdr_luminance(const double *r, const double *g, const double *b, const double w[3], double *y, size_t count);
 
 /* ld becomes the factor on the colour: ld / y, and 0 where y <= 0. */
@@ -62,7 +63,8 @@ void hdr_codes_u16(const double *c, double top, uint16_t *out, size_t stride, si
 typedef struct hdr_range {
     double min, max, min_positive; /* +inf, -inf, +inf where nothing has been seen */
 } hdr_range;
-#define HDR_RANGE_EMPTY {INFINITY, -INFINITY, INFINITY}
+#define HDR_RANGE_EMPTY                                                                                                \
+    { INFINITY, -INFINITY, INFINITY }
 void hdr_range_add(hdr_range *range, const double *values, size_t count);
 
 /* Adds ln y of the lit (y > 0) to the 8 lanes, value i to lane i mod 8, and their number to lit. */

@@ -26,7 +26,8 @@ static void multiply(const double a[9], const double b[9], double out[9]) {
 }
 
 static void apply(const double m[9], const double v[3], double out[3]) {
-    for (int i = 0; i < 3; i++) out[i] = m[3 * i] * v[0] + m[3 * i + 1] * v[1] + m[3 * i + 2] * v[2];
+    for (int i = 0; i < 3; i++)
+        out[i] = m[3 * i] * v[0] + m[3 * i + 1] * v[1] + m[3 * i + 2] * v[2];
 }
 
 /* By cofactors. */
@@ -39,7 +40,8 @@ static bool invert(const double m[9], double out[9]) {
         }
     double determinant = m[0] * c[0] + m[1] * c[3] + m[2] * c[6];
     if (!isfinite(determinant) || fabs(determinant) < 1e-12) return false;
-    for (int i = 0; i < 9; i++) out[i] = c[i] / determinant;
+    for (int i = 0; i < 9; i++)
+        out[i] = c[i] / determinant;
     return true;
 }
 
@@ -55,7 +57,8 @@ static bool rgb_to_xyz(const hdr_chromaticities *p, double m[9]) {
     if (!(fabs(p->white[1]) > 1e-6) || !invert(columns, inverse)) return false;
     xyz_of(p->white, white);
     apply(inverse, white, scale);
-    for (int i = 0; i < 9; i++) m[i] = columns[i] * scale[i % 3];
+    for (int i = 0; i < 9; i++)
+        m[i] = columns[i] * scale[i % 3];
     for (int i = 0; i < 9; i++)
         if (!isfinite(m[i])) return false;
     return true;

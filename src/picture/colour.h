@@ -9,12 +9,12 @@ extern const hdr_chromaticities hdr_rec709;
 /* True where some coordinate differs by more than 1e-5. */
 bool hdr_chromaticities_differ(const hdr_chromaticities *a, const hdr_chromaticities *b);
 
-/* Weights of luminance: 0.2126 0.7152 0.0722 for Rec.709, else the Y row of RGB to XYZ with white at Y = 1. False if the
- * primaries span no triangle. */
+/* Weights of luminance: 0.2126 0.7152 0.0722 for Rec.709, else the Y row of RGB to XYZ with white at Y = 1. False if
+ * the primaries span no triangle. */
 bool hdr_luminance_weights(const hdr_chromaticities *primaries, double weights[3]);
 
-/* RGB of these primaries to linear Rec.709, m by rows. Unless adapt is false or the primaries are those of XYZ itself, white is
- * adapted from neutral (x, y) to D65 by Bradford. False if the primaries span no triangle. */
+/* RGB of these primaries to linear Rec.709, m by rows. Unless adapt is false or the primaries are those of XYZ itself,
+ * white is adapted from neutral (x, y) to D65 by Bradford. False if the primaries span no triangle. */
 bool hdr_matrix_to_rec709(const hdr_chromaticities *primaries, const double neutral[2], bool adapt, double m[9]);
 
 #endif

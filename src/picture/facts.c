@@ -13,12 +13,12 @@
 typedef struct tally {
     hdr_range components, luminance, channel[4];
     uint64_t pixels, lit, negative, unlit_colour;
-    double lanes[8];                       /* of the row under way */
+    double lanes[8];                          /* of the row under way */
     uint64_t *histogram[HDR_MAX_PERCENTILES]; /* BUCKETS each; used by slot, see slots below */
 } tally;
 
-/* A histogram: in the first sweep one for each population asked for, of the keys' upper 16 bits; in the second one for each
- * (population, upper bits) in which a percentile lies, of the lower 16 bits. */
+/* A histogram: in the first sweep one for each population asked for, of the keys' upper 16 bits; in the second one for
+ * each (population, upper bits) in which a percentile lies, of the lower 16 bits. */
 typedef struct slot {
     hdr_population of;
     uint32_t upper; /* second sweep */
@@ -69,7 +69,8 @@ out:
 void hdr_taking_free(hdr_taking *taking) {
     if (!taking) return;
     for (int t = 0; taking->tallies && t < taking->threads; t++)
-        for (int i = 0; i < HDR_MAX_PERCENTILES; i++) free(taking->tallies[t].histogram[i]);
+        for (int i = 0; i < HDR_MAX_PERCENTILES; i++)
+            free(taking->tallies[t].histogram[i]);
     free(taking->tallies);
     free(taking->row_logs);
     free(taking);
@@ -79,7 +80,8 @@ void hdr_taking_restart(hdr_taking *taking) {
     for (int t = 0; t < taking->threads; t++) {
         tally *mine = &taking->tallies[t];
         tally empty = {.components = HDR_RANGE_EMPTY, .luminance = HDR_RANGE_EMPTY};
-        for (int c = 0; c < 4; c++) empty.channel[c] = empty.components;
+        for (int c = 0; c < 4; c++)
+            empty.channel[c] = empty.components;
         memcpy(empty.histogram, mine->histogram, sizeof empty.histogram);
         *mine = empty;
         for (int i = 0; i < taking->request.percentiles; i++)
@@ -131,20 +133,24 @@ void hdr_taking_strip(hdr_taking *taking, int thread, int row, const double *con
     unsigned facts = taking->sweep == 0 ? taking->request.facts : 0;
     mine->pixels += count;
     if (facts & HDR_FACT_COMPONENTS)
-        for (int p = 0; p < planes; p++) hdr_range_add(&mine->components, c[p], count);
+        for (int p = 0; p < planes; p++)
+            hdr_range_add(&mine->components, c[p], count);
     if (facts & HDR_FACT_LUMINANCE) {
         hdr_range_add(&mine->luminance, y, count);
         hdr_sum_logs(y, mine->lanes, &mine->lit, count);
     }
     if (facts & HDR_FACT_CHANNELS) {
-        for (int p = 0; p < planes; p++) hdr_range_add(&mine->channel[p], c[p], count);
+        for (int p = 0; p < planes; p++)
+            hdr_range_add(&mine->channel[p], c[p], count);
         if (alpha) hdr_range_add(&mine->channel[3], alpha, count);
         count_odd_pixels(mine, c, planes, y, count);
     }
     bool wanted[HDR_POPULATIONS] = {false};
-    for (int s = 0; s < taking->slot_count; s++) wanted[taking->slots[s].of] = true;
+    for (int s = 0; s < taking->slot_count; s++)
+        wanted[taking->slots[s].of] = true;
     if (wanted[HDR_OF_COMPONENTS])
-        for (int p = 0; p < planes; p++) count_keys(taking, mine, HDR_OF_COMPONENTS, c[p], count);
+        for (int p = 0; p < planes; p++)
+            count_keys(taking, mine, HDR_OF_COMPONENTS, c[p], count);
     if (wanted[HDR_OF_LUMINANCE]) count_keys(taking, mine, HDR_OF_LUMINANCE, y, count);
     if (wanted[HDR_OF_LIT]) count_keys(taking, mine, HDR_OF_LIT, y, count);
 }
@@ -171,13 +177,15 @@ static void merge_tallies(hdr_taking *taking) {
         const tally *mine = &taking->tallies[t];
         merge_range(&all->components, &mine->components);
         merge_range(&all->luminance, &mine->luminance);
-        for (int c = 0; c < 4; c++) merge_range(&all->channel[c], &mine->channel[c]);
+        for (int c = 0; c < 4; c++)
+            merge_range(&all->channel[c], &mine->channel[c]);
         all->pixels += mine->pixels;
         all->lit += mine->lit;
         all->negative += mine->negative;
         all->unlit_colour += mine->unlit_colour;
         for (int s = 0; s < taking->slot_count; s++)
-            for (int b = 0; b < BUCKETS; b++) all->histogram[s][b] += mine->histogram[s][b];
+            for (int b = 0; b < BUCKETS; b++)
+                all->histogram[s][b] += mine->histogram[s][b];
     }
 }
 
@@ -229,7 +237,8 @@ static uint32_t bucket_of_rank(const uint64_t *histogram, uint64_t rank, uint64_
 
 static uint64_t histogram_size(const uint64_t *histogram) {
     uint64_t size = 0;
-    for (int b = 0; b < BUCKETS; b++) size += histogram[b];
+    for (int b = 0; b < BUCKETS; b++)
+        size += histogram[b];
     return size;
 }
 
@@ -254,8 +263,7 @@ static void fill_percentiles(hdr_taking *taking) {
         uint64_t size = taking->population[in->of], below;
         if (!size) continue;
         uint64_t rank = hdr_nearest_rank(taking->request.percentile[i].percent, size) - taking->rank_below[i];
-        uint32_t lower =
-            bucket_of_rank(taking->tallies[0].histogram[taking->percentile_slot[i]], rank, &below);
+        uint32_t lower = bucket_of_rank(taking->tallies[0].histogram[taking->percentile_slot[i]], rank, &below);
         taking->facts.percentile[i] = (double)hdr_float_of_key(in->upper << 16 | lower);
     }
 }

@@ -1,5 +1,5 @@
-/* Facts: numbers about a scene that verbs plan with. They are taken row by row and merged in the order of the rows, so they do not
- * depend on threads, blocks or the order of completion. */
+/* Facts: numbers about a scene that verbs plan with. They are taken row by row and merged in the order of the rows, so
+ * they do not depend on threads, blocks or the order of completion. */
 #ifndef HDR_FACTS_H
 #define HDR_FACTS_H
 
@@ -8,7 +8,8 @@
 enum {
     HDR_FACT_COMPONENTS = 1, /* min, max and smallest positive of the colour components */
     HDR_FACT_LUMINANCE = 2,  /* min, max and smallest positive Y, lit pixels, log-average */
-    HDR_FACT_CHANNELS = 4,   /* min and max of each channel, alpha included; negative components, pixels with colour that are not lit */
+    HDR_FACT_CHANNELS =
+        4, /* min and max of each channel, alpha included; negative components, pixels with colour that are not lit */
 };
 
 /* Of which values a percentile is taken, each rounded to float32. */
@@ -37,8 +38,8 @@ typedef struct hdr_facts {
     uint64_t pixels, lit;
     double min_component, max_component, min_positive_component; /* the last: 0 when none is positive */
     double min_luminance, max_luminance, min_lit;                /* min_lit: 0 when nothing is lit */
-    double log_average;                                          /* exp(mean ln Y) over lit pixels; 0 when nothing is lit */
-    double channel_min[4], channel_max[4];                       /* R G B (or Y) and, in [3], alpha */
+    double log_average;                    /* exp(mean ln Y) over lit pixels; 0 when nothing is lit */
+    double channel_min[4], channel_max[4]; /* R G B (or Y) and, in [3], alpha */
     uint64_t negative, unlit_colour;
     double percentile[HDR_MAX_PERCENTILES]; /* in the order of the request; 0 for an empty population */
 } hdr_facts;
@@ -51,8 +52,8 @@ void hdr_taking_free(hdr_taking *taking);
 /* Forgets what the sweep under way has taken: it starts again. */
 void hdr_taking_restart(hdr_taking *taking);
 
-/* A strip of a row: its pixels after all steps before the clause. The strips of a row come from left to right on one thread; all
- * but the last have a multiple of 8 pixels. y: luminance. alpha may be NULL; planes 1 or 3. */
+/* A strip of a row: its pixels after all steps before the clause. The strips of a row come from left to right on one
+ * thread; all but the last have a multiple of 8 pixels. y: luminance. alpha may be NULL; planes 1 or 3. */
 void hdr_taking_strip(hdr_taking *taking, int thread, int row, const double *const c[3], int planes, const double *y,
                       const double *alpha, size_t count);
 void hdr_taking_row_end(hdr_taking *taking, int thread, int row);

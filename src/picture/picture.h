@@ -14,8 +14,8 @@ static inline size_t hdr_type_size(hdr_type type) {
     return type == HDR_HALF ? 2 : 4;
 }
 
-/* A band of whole rows of the data window in the type that the file stores. plane[0..2] are R, G, B (plane[0] alone: Y), plane[3] is
- * alpha; NULL for a channel that the file does not have. Values are little-endian, not yet repaired. */
+/* A band of whole rows of the data window in the type that the file stores. plane[0..2] are R, G, B (plane[0] alone:
+ * Y), plane[3] is alpha; NULL for a channel that the file does not have. Values are little-endian, not yet repaired. */
 typedef struct hdr_block {
     int first_row, rows; /* 0 is the data window's top row */
     hdr_type type[4];

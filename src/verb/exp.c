@@ -30,7 +30,8 @@ static void needs(const void *params, hdr_request *request) {
     if (p->k.word == 0 || p->luminance.per_channel) request->facts |= HDR_FACT_LUMINANCE;
 }
 
-/* Ld = 1 - exp(-k Y); k = v[0]. Reinhard et al., High Dynamic Range Imaging, 2nd ed. 2010, ch. 8: the exponential operator. */
+/* Ld = 1 - exp(-k Y); k = v[0]. Reinhard et al., High Dynamic Range Imaging, 2nd ed. 2010, ch. 8: the exponential
+ * operator. */
 HDR_INLINE double exponential_of(const hdr_constants *k, double y) {
     double lit = y > 0 ? y : 0;
     return hdr_one_minus_exp_neg(k->v[0] * lit);
@@ -55,15 +56,18 @@ static const char *const examples[] = {"hdr exp then png -o OUT.png IN.exr",
                                        "hdr exp --k 2 --saturation 0.8 then png -o OUT.png IN.exr", NULL};
 
 const hdr_verb hdr_verb_exp = {
-    .about = {.name = "exp",
-              .summary = "tone map by the exponential curve",
-              .details = "Ld = 1 - exp(-k Y), where Y is luminance. By default k = 1/Yavg with Yavg = exp(mean of ln Y) over the lit "
-                         "pixels, so that the result does not depend on the exposure of the render.\n\n"
-                         "Colours keep their chromaticity: C' = (C/Y)^S Ld, with S = --saturation. A pixel whose luminance is not "
-                         "above 0 becomes 0. With --per-channel the curve is applied to each channel as if it were Y.",
-              .examples = examples,
-              .options = options,
-              .kind = HDR_FILTER},
+    .about =
+        {.name = "exp",
+         .summary = "tone map by the exponential curve",
+         .details =
+             "Ld = 1 - exp(-k Y), where Y is luminance. By default k = 1/Yavg with Yavg = exp(mean of ln Y) over the "
+             "lit "
+             "pixels, so that the result does not depend on the exposure of the render.\n\n"
+             "Colours keep their chromaticity: C' = (C/Y)^S Ld, with S = --saturation. A pixel whose luminance is not "
+             "above 0 becomes 0. With --per-channel the curve is applied to each channel as if it were Y.",
+         .examples = examples,
+         .options = options,
+         .kind = HDR_FILTER},
     .params_size = sizeof(exp_params),
     .needs = needs,
     .plan = plan,

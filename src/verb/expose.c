@@ -10,20 +10,19 @@ typedef struct expose_params {
     bool automatic;
 } expose_params;
 
-static const hdr_option options[] = {
-    {.name = "ev",
-     .type = HDR_OPTION_NUMBER,
-     .offset = offsetof(expose_params, ev),
-     .metavar = "STOPS",
-     .min = -300,
-     .max = 300,
-     .default_value = "0",
-     .help = "multiply by 2 to this power"},
-    {.name = "auto",
-     .type = HDR_OPTION_FLAG,
-     .offset = offsetof(expose_params, automatic),
-     .help = "choose the stops that bring the log-average of luminance to 0.18"},
-    {0}};
+static const hdr_option options[] = {{.name = "ev",
+                                      .type = HDR_OPTION_NUMBER,
+                                      .offset = offsetof(expose_params, ev),
+                                      .metavar = "STOPS",
+                                      .min = -300,
+                                      .max = 300,
+                                      .default_value = "0",
+                                      .help = "multiply by 2 to this power"},
+                                     {.name = "auto",
+                                      .type = HDR_OPTION_FLAG,
+                                      .offset = offsetof(expose_params, automatic),
+                                      .help = "choose the stops that bring the log-average of luminance to 0.18"},
+                                     {0}};
 
 static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
     const expose_params *p = params;
@@ -69,14 +68,16 @@ static const char *const examples[] = {"hdr expose --ev -1.5 then png -o OUT.png
                                        "hdr expose --auto then clamp then png -o OUT.png IN.exr", NULL};
 
 const hdr_verb hdr_verb_expose = {
-    .about = {.name = "expose",
-              .summary = "change the exposure by stops",
-              .details = "Multiplies every colour component by 2 to the power of --ev: C' = C 2^ev.\n\n"
-                         "With --auto, ev = log2(0.18 / Yavg), where Yavg = exp(mean of ln Y) over the lit pixels: those whose "
-                         "luminance Y is above 0. A picture with nothing lit stays as it is.",
-              .examples = examples,
-              .options = options,
-              .kind = HDR_FILTER},
+    .about =
+        {.name = "expose",
+         .summary = "change the exposure by stops",
+         .details =
+             "Multiplies every colour component by 2 to the power of --ev: C' = C 2^ev.\n\n"
+             "With --auto, ev = log2(0.18 / Yavg), where Yavg = exp(mean of ln Y) over the lit pixels: those whose "
+             "luminance Y is above 0. A picture with nothing lit stays as it is.",
+         .examples = examples,
+         .options = options,
+         .kind = HDR_FILTER},
     .params_size = sizeof(expose_params),
     .check = check,
     .needs = needs,

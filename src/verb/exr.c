@@ -44,8 +44,10 @@ const hdr_verb hdr_verb_exr = {
     .about = {.name = "exr",
               .summary = "write an OpenEXR file",
               .details =
-                  "Ends a chain: scan lines of R, G, B (or Y where the picture has one plane) and, where there is one, associated alpha. "
-                  "The attribute hdrpipeState tells whether the values are linear or encoded, so that reading the file back cannot "
+                  "Ends a chain: scan lines of R, G, B (or Y where the picture has one plane) and, where there is one, "
+                  "associated alpha. "
+                  "The attribute hdrpipeState tells whether the values are linear or encoded, so that reading the file "
+                  "back cannot "
                   "encode it twice. Nothing else about the chain, the command line or the machine is written.\n\n"
                   "pxr24, b44 and b44a lose precision; the others keep every bit.",
               .examples = examples,

@@ -60,13 +60,15 @@ static hdr_verdict plan(const void *params, const hdr_scene *scene, hdr_step *st
 }
 
 static const char *const examples[] = {"hdr exp then gamma -g 2.2 then png -o OUT.png IN.exr",
-                                       "hdr clamp then gamma --exponent=1.8 then quantise then png -o OUT.png IN.exr", NULL};
+                                       "hdr clamp then gamma --exponent=1.8 then quantise then png -o OUT.png IN.exr",
+                                       NULL};
 
 const hdr_verb hdr_verb_gamma = {
     .about = {.name = "gamma",
               .summary = "encode by a power law",
               .details = "C' = max(C, 0)^(1/G) for each colour component; with --decode, C' = max(C, 0)^G.\n\n"
-                         "Pure gamma 2.2 is not the sRGB curve: they differ by up to 8.5 codes of 255 in the shadows. A PNG made of it "
+                         "Pure gamma 2.2 is not the sRGB curve: they differ by up to 8.5 codes of 255 in the shadows. "
+                         "A PNG made of it "
                          "carries a gAMA chunk that says so.\n\n"
                          "A picture that is encoded already is refused unless --force is given.",
               .examples = examples,

@@ -76,16 +76,16 @@ static void needs(const void *params, hdr_request *request) {
     }
 }
 
-/* Ld = ln(1 + k Y) / ln(1 + k Ymax); k = v[0], the denominator = v[1]. Reinhard et al., High Dynamic Range Imaging, 2nd ed. 2010,
- * ch. 8: logarithmic mapping. */
+/* Ld = ln(1 + k Y) / ln(1 + k Ymax); k = v[0], the denominator = v[1]. Reinhard et al., High Dynamic Range Imaging, 2nd
+ * ed. 2010, ch. 8: logarithmic mapping. */
 HDR_INLINE double log_shifted_of(const hdr_constants *k, double y) {
     double lit = y > 0 ? y : 0;
     return hdr_log1p(k->v[0] * lit) / k->v[1];
 }
 HDR_CURVE(log_shifted)
 
-/* Ld = (log10 Y - lo) / (hi - lo), held to [0,1]; 10^lo = v[0], ln(10^(hi - lo)) = v[1]. Y is divided before the logarithm, since the
- * difference of two rounded logarithms loses the digits of a Y close to 10^lo. */
+/* Ld = (log10 Y - lo) / (hi - lo), held to [0,1]; 10^lo = v[0], ln(10^(hi - lo)) = v[1]. Y is divided before the
+ * logarithm, since the difference of two rounded logarithms loses the digits of a Y close to 10^lo. */
 HDR_INLINE double log_range_of(const hdr_constants *k, double y) {
     double lit = y > 0 ? y : k->v[0];
     double ld = hdr_log(lit / k->v[0]) / k->v[1];
@@ -166,15 +166,22 @@ const hdr_verb hdr_verb_log = {
     .about = {.name = "log",
               .summary = "tone map by a logarithmic curve",
               .details =
-                  "--mode shifted: Ld = ln(1 + k Y) / ln(1 + k Ymax), where Y is luminance and Ymax its maximum. By default k = 1/Yavg "
-                  "with Yavg = exp(mean of ln Y) over the lit pixels, so that the result does not depend on the exposure of the "
+                  "--mode shifted: Ld = ln(1 + k Y) / ln(1 + k Ymax), where Y is luminance and Ymax its maximum. By "
+                  "default k = 1/Yavg "
+                  "with Yavg = exp(mean of ln Y) over the lit pixels, so that the result does not depend on the "
+                  "exposure of the "
                   "render.\n\n"
-                  "--mode range: Ld = (log10 Y - lo) / (hi - lo), held to [0,1]; lo and hi are the --percentile of log10 Y over lit "
-                  "pixels and its counterpart from above, by nearest rank. Where hi = lo, Ld is 1 for log10 Y >= lo, else 0.\n\n"
-                  "--mode literal: C' = ln C for each channel, with C raised to the smallest positive component of the picture first. "
+                  "--mode range: Ld = (log10 Y - lo) / (hi - lo), held to [0,1]; lo and hi are the --percentile of "
+                  "log10 Y over lit "
+                  "pixels and its counterpart from above, by nearest rank. Where hi = lo, Ld is 1 for log10 Y >= lo, "
+                  "else 0.\n\n"
+                  "--mode literal: C' = ln C for each channel, with C raised to the smallest positive component of the "
+                  "picture first. "
                   "The result is not held to any range; it is of use for looking at, or as input of other programs.\n\n"
-                  "In the first two modes colours keep their chromaticity: C' = (C/Y)^S Ld, with S = --saturation, and a pixel whose "
-                  "luminance is not above 0 becomes 0. With --per-channel the curve is applied to each channel as if it were Y.",
+                  "In the first two modes colours keep their chromaticity: C' = (C/Y)^S Ld, with S = --saturation, and "
+                  "a pixel whose "
+                  "luminance is not above 0 becomes 0. With --per-channel the curve is applied to each channel as if "
+                  "it were Y.",
               .examples = examples,
               .options = options,
               .kind = HDR_FILTER},

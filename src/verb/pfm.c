@@ -21,7 +21,8 @@ static const char *const examples[] = {"hdr expose --ev -1 then pfm -o OUT.pfm I
 const hdr_verb hdr_verb_pfm = {
     .about = {.name = "pfm",
               .summary = "write a PFM file",
-              .details = "Ends a chain: float32 in little-endian order, rows from bottom to top, grey (Pf) where the picture has one plane, else "
+              .details = "Ends a chain: float32 in little-endian order, rows from bottom to top, grey (Pf) where the "
+                         "picture has one plane, else "
                          "colour (PF). PFM has no alpha: colour is written as an EXR would hold it, over black.",
               .examples = examples,
               .options = options,

@@ -35,23 +35,28 @@ static hdr_sink *create(const void *params, hdr_output *output, const hdr_frame 
 static const hdr_format format = {
     .extension = ".png", .codes = true, .alpha = true, .bits = bits, .sample = sample, .create = create};
 
-static const char *const examples[] = {"hdr exp then png -o OUT.png IN.exr", "hdr exp then png --bits 16 IN.exr > OUT.png",
-                                       NULL};
+static const char *const examples[] = {"hdr exp then png -o OUT.png IN.exr",
+                                       "hdr exp then png --bits 16 IN.exr > OUT.png", NULL};
 
 const hdr_verb hdr_verb_png = {
-    .about = {.name = "png",
-              .summary = "write a PNG file",
-              .details =
-                  "Ends a chain. If the picture is neither encoded nor quantised, the sRGB curve is applied first; if it is not quantised, it "
-                  "is rounded to --bits. After an explicit quantise of b bits the PNG has 8 bits where b <= 8, else 16, and an sBIT "
-                  "chunk tells b.\n\n"
-                  "The PNG is grey when the picture that was read is (one plane, or R = G = B in every pixel) and its primaries were not "
-                  "converted. Alpha is stored unassociated, as PNG wants it, and is left out where it is 1 everywhere.\n\n"
-                  "The colour chunks tell what was done: sRGB, gAMA and cHRM after the sRGB curve, gAMA after gamma, gAMA 100000 for values "
-                  "that were left linear.",
-              .examples = examples,
-              .options = options,
-              .kind = HDR_FORMAT},
+    .about =
+        {.name = "png",
+         .summary = "write a PNG file",
+         .details =
+             "Ends a chain. If the picture is neither encoded nor quantised, the sRGB curve is applied first; if it is "
+             "not quantised, it "
+             "is rounded to --bits. After an explicit quantise of b bits the PNG has 8 bits where b <= 8, else 16, and "
+             "an sBIT "
+             "chunk tells b.\n\n"
+             "The PNG is grey when the picture that was read is (one plane, or R = G = B in every pixel) and its "
+             "primaries were not "
+             "converted. Alpha is stored unassociated, as PNG wants it, and is left out where it is 1 everywhere.\n\n"
+             "The colour chunks tell what was done: sRGB, gAMA and cHRM after the sRGB curve, gAMA after gamma, gAMA "
+             "100000 for values "
+             "that were left linear.",
+         .examples = examples,
+         .options = options,
+         .kind = HDR_FORMAT},
     .params_size = sizeof(png_params),
     .format = &format,
 };

@@ -18,8 +18,8 @@ static const hdr_option options[] = {{.name = "bits",
                                       .help = "bits of a code"},
                                      {0}};
 
-/* code = floor(v (2^b - 1) + 1/2), v held to [0,1]; C' = code / (2^b - 1) = v[0]. The PNG specification, 3rd ed. 2023, 13.12: sample depth
- * rescaling rounds to nearest so. */
+/* code = floor(v (2^b - 1) + 1/2), v held to [0,1]; C' = code / (2^b - 1) = v[0]. The PNG specification, 3rd ed.
+ * 2023, 13.12: sample depth rescaling rounds to nearest so. */
 HDR_INLINE double quantise_of(const hdr_constants *k, double c) {
     double raised = c > 0 ? c : 0;
     double held = raised < 1 ? raised : 1;
@@ -44,9 +44,12 @@ static const char *const examples[] = {"hdr exp then srgb then quantise --bits 5
 const hdr_verb hdr_verb_quantise = {
     .about = {.name = "quantise",
               .summary = "round to codes of a number of bits",
-              .details = "code = floor(C (2^b - 1) + 1/2), with C held to [0,1] and b = --bits; what stays in the chain is code / (2^b - 1).\n\n"
-                         "It is for encoded pictures (see hdr-srgb and hdr-gamma): linear values of 8 bits show steps in the shadows, "
-                         "which is said on standard error. A PNG quantises by itself; give this verb to have fewer bits.",
+              .details =
+                  "code = floor(C (2^b - 1) + 1/2), with C held to [0,1] and b = --bits; what stays in the chain is "
+                  "code / (2^b - 1).\n\n"
+                  "It is for encoded pictures (see hdr-srgb and hdr-gamma): linear values of 8 bits show steps in the "
+                  "shadows, "
+                  "which is said on standard error. A PNG quantises by itself; give this verb to have fewer bits.",
               .examples = examples,
               .options = options,
               .kind = HDR_FILTER},

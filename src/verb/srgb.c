@@ -53,9 +53,11 @@ static const char *const examples[] = {"hdr exp then srgb then png -o OUT.png IN
 const hdr_verb hdr_verb_srgb = {
     .about = {.name = "srgb",
               .summary = "encode by the sRGB curve",
-              .details = "IEC 61966-2-1: C' = 12.92 C for C <= 0.0031308, else 1.055 C^(1/2.4) - 0.055. With --decode the inverse: C' = C / 12.92 "
-                         "for C <= 0.04045, else ((C + 0.055) / 1.055)^2.4. Negative components keep the linear branch.\n\n"
-                         "A picture that is encoded already is refused unless --force is given.",
+              .details =
+                  "IEC 61966-2-1: C' = 12.92 C for C <= 0.0031308, else 1.055 C^(1/2.4) - 0.055. With --decode the "
+                  "inverse: C' = C / 12.92 "
+                  "for C <= 0.04045, else ((C + 0.055) / 1.055)^2.4. Negative components keep the linear branch.\n\n"
+                  "A picture that is encoded already is refused unless --force is given.",
               .examples = examples,
               .options = options,
               .kind = HDR_FILTER},

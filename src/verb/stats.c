@@ -3,17 +3,18 @@
 
 static const hdr_option options[] = {{0}};
 
-static const char *const examples[] = {"hdr stats IN.exr", "hdr stats --json IN.exr", "hdr expose --auto then stats IN.exr",
-                                       NULL};
+static const char *const examples[] = {"hdr stats IN.exr", "hdr stats --json IN.exr",
+                                       "hdr expose --auto then stats IN.exr", NULL};
 
 const hdr_verb hdr_verb_stats = {
     .about = {.name = "stats",
               .summary = "tell the facts of a scene",
-              .details =
-                  "Prints size and windows, range of each channel and of luminance, log-average, percentiles of luminance over lit pixels (nearest "
-                  "rank), and how many pixels are lit and how many components are NaN, infinite or negative. Facts are over the "
-                  "data window, after repair, and after the verbs that stand before stats.\n\n"
-                  "With --json, one object a file, each on a line of its own.",
+              .details = "Prints size and windows, range of each channel and of luminance, log-average, percentiles of "
+                         "luminance over lit pixels (nearest "
+                         "rank), and how many pixels are lit and how many components are NaN, infinite or negative. "
+                         "Facts are over the "
+                         "data window, after repair, and after the verbs that stand before stats.\n\n"
+                         "With --json, one object a file, each on a line of its own.",
               .examples = examples,
               .options = options,
               .kind = HDR_PROGRAM},

@@ -1,5 +1,6 @@
-/* A verb: one step of a chain. One file a verb: its option table, its plan, its formula. verbs.def lists them; adding a verb is one
- * file and one line. See skeleton.c for a commented template. A verb knows nothing of files, threads or its neighbours. */
+/* A verb: one step of a chain. One file a verb: its option table, its plan, its formula. verbs.def lists them; adding a
+ * verb is one file and one line. See skeleton.c for a commented template. A verb knows nothing of files, threads or its
+ * neighbours. */
 #ifndef HDR_VERB_H
 #define HDR_VERB_H
 
@@ -15,9 +16,10 @@ typedef struct hdr_constants {
     double v[6];
 } hdr_constants;
 
-/* A formula on one number, in double: once for one value (the oracle, and the search for thresholds), once for a row of them. Both are
- * compiled from the same inline function, see HDR_CURVE, so they agree bit for bit. A curve is defined for every double within
- * float's range, negative ones too, and never gives a NaN; luminance curves give 0 for Y <= 0. It is monotone. */
+/* A formula on one number, in double: once for one value (the oracle, and the search for thresholds), once for a row of
+ * them. Both are compiled from the same inline function, see HDR_CURVE, so they agree bit for bit. A curve is defined
+ * for every double within float's range, negative ones too, and never gives a NaN; luminance curves give 0 for Y <= 0.
+ * It is monotone. */
 typedef struct hdr_curve {
     double (*exact)(const hdr_constants *constants, double value);
     void (*rows)(const hdr_constants *constants, double *values, size_t count); /* in place */
@@ -33,7 +35,8 @@ typedef struct hdr_curve {
 #define HDR_CURVE_OF(name, monotone)                                                                                   \
     HDR_INLINE void name##_rows_body(const hdr_constants *constants, double *values, size_t count) {                   \
         const hdr_constants k = *constants; /* a copy: nothing that is stored can change it */                         \
-        for (size_t i = 0; i < count; i++) values[i] = name##_of(&k, values[i]);                                       \
+        for (size_t i = 0; i < count; i++)                                                                             \
+            values[i] = name##_of(&k, values[i]);                                                                      \
     }                                                                                                                  \
     HDR_VERSIONS_IN(static, name##_rows, (const hdr_constants *constants, double *values, size_t count),               \
                     (constants, values, count))                                                                        \
@@ -66,7 +69,7 @@ typedef struct hdr_step {
 
 /* What plan() may know. */
 typedef struct hdr_scene {
-    hdr_facts facts;  /* what needs() asked for, and nothing else, or what happens to be known of it beforehand */
+    hdr_facts facts;   /* what needs() asked for, and nothing else, or what happens to be known of it beforehand */
     const char *state; /* what the pixels are: "linear", or the encoding's name */
 } hdr_scene;
 
@@ -79,8 +82,8 @@ typedef enum hdr_verdict {
 /* What a format verb provides. */
 typedef struct hdr_format {
     const char *extension; /* ".png" */
-    bool codes;            /* it holds codes: the chain encodes and quantises if no verb has; its alpha is unassociated */
-    bool alpha;            /* it can hold alpha */
+    bool codes; /* it holds codes: the chain encodes and quantises if no verb has; its alpha is unassociated */
+    bool alpha; /* it can hold alpha */
     /* Codes: the bits of a sample, after an explicit quantisation to `quantised` bits (0: none). */
     int (*bits)(const void *params, int quantised);
     hdr_sample (*sample)(const void *params, int bits);
@@ -120,10 +123,10 @@ typedef struct hdr_luminance_params {
      .max = 2,                                                                                                         \
      .default_value = "1",                                                                                             \
      .help = "exponent of C/Y: 0 gives grey, 1 keeps chromaticity"},                                                   \
-        {.name = "per-channel",                                                                                        \
-         .type = HDR_OPTION_FLAG,                                                                                      \
-         .offset = offsetof(params, luminance.per_channel),                                                            \
-         .help = "apply the curve to each channel as if it were Y"}
+    {                                                                                                                  \
+        .name = "per-channel", .type = HDR_OPTION_FLAG, .offset = offsetof(params, luminance.per_channel),             \
+        .help = "apply the curve to each channel as if it were Y"                                                      \
+    }
 
 /* Chooses the step's form by them. */
 void hdr_luminance_form(const hdr_luminance_params *params, hdr_step *step);

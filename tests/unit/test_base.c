@@ -74,7 +74,6 @@ static void test_memory(void) {
         if (pages) memset(pages, 1, sizes[i]);
         hdr_free_pages(pages, sizes[i]);
     }
-    hdr_free_pages(NULL, 1000);
     CHECK(hdr_memory_default() >= 1 << 20, "the default of --memory is %llu bytes",
           (unsigned long long)hdr_memory_default());
 }
@@ -580,7 +579,6 @@ static void test_pools(void) {
               "a job's status counts without a message, too");
         hdr_pool_free(pool);
     }
-    hdr_pool_free(NULL);
 }
 
 int main(void) {
