@@ -17,6 +17,9 @@ WERROR ?=
 SAN ?=
 NO_DEPS ?=
 
+# V=1 shows the commands
+Q := $(if $(V),,@)
+
 STANDARD := -std=c11 -D_GNU_SOURCE
 # results must not depend on machine or compiler: no contraction to fused operations, ever
 EXACT := -ffp-contract=off -fno-math-errno -fno-trapping-math
@@ -69,19 +72,23 @@ FORCE:
 
 $(BUILD)/src/%.o: src/%.c $(BUILD)/flags
 	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) $(OPENEXR_CFLAGS) -Isrc -MMD -MP -c $< -o $@
+	@echo '  CC $@'
+	$(Q)$(CC) $(ALL_CFLAGS) $(OPENEXR_CFLAGS) -Isrc -MMD -MP -c $< -o $@
 
 # the commands see the public header alone
 $(BUILD)/cmd/%.o: cmd/%.c $(BUILD)/flags
 	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) -MMD -MP -c $< -o $@
+	@echo '  CC $@'
+	$(Q)$(CC) $(ALL_CFLAGS) -MMD -MP -c $< -o $@
 
 $(LIBRARY): $(OBJECTS)
-	rm -f $@
-	$(AR) rcs $@ $^
+	@echo '  AR $@'
+	@rm -f $@
+	$(Q)$(AR) rcs $@ $^
 
 $(PROGRAM): $(COMMANDS) $(LIBRARY)
-	$(CC) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread -o $@ $^ $(LIBS)
+	@echo '  LD $@'
+	$(Q)$(CC) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread -o $@ $^ $(LIBS)
 
 -include $(OBJECTS:.o=.d) $(COMMANDS:.o=.d)
 

@@ -17,7 +17,7 @@ static const struct program {
     hdr_status (*run)(hdr_chain *chain, hdr_error *error);
 } programs[] = {{"info", cmd_info}, {"stats", cmd_stats}};
 
-/* ---- Words to standard error ----------------------------------------------------------------------------------- */
+/* ---- Words to standard error ---- */
 
 hdr_status cmd_refuse(hdr_error *error, const char *format, ...) {
     va_list arguments;
@@ -45,7 +45,7 @@ hdr_listener cmd_listener(const hdr_chain *chain) {
     return (hdr_listener){say, (void *)hdr_chain_settings(chain)};
 }
 
-/* ---- The process ----------------------------------------------------------------------------------------------- */
+/* ---- The process ---- */
 
 /* A program may be started with standard descriptors closed; the next file that is opened would then get such a number,
  * and words would be written into it. What is put there instead refuses to be used, so that nothing is lost in silence.
@@ -89,7 +89,7 @@ static hdr_status close_standard_output(hdr_status status) {
     return status == HDR_OK ? HDR_IO : status;
 }
 
-/* ---- Where the result goes ------------------------------------------------------------------------------------- */
+/* ---- Where the result goes ---- */
 
 /* Whether a chain of filters is handed on as text: there is somebody at the other end who will compute the pixels. */
 static bool deferred(const hdr_chain *chain) {
@@ -123,7 +123,7 @@ static hdr_output *open_output(const hdr_chain *chain, hdr_error *error) {
                                  error);
 }
 
-/* ---- Running --------------------------------------------------------------------------------------------------- */
+/* ---- Running ---- */
 
 /* The output is asked for first: a terminal there is a mistake that must not wait for the input's end. */
 static hdr_status compute(hdr_chain *chain, hdr_error *error) {
@@ -159,7 +159,7 @@ static hdr_status run_chain(hdr_chain *chain, hdr_error *error) {
     return deferred(chain) ? defer(chain, error) : compute(chain, error);
 }
 
-/* ---- The command line ------------------------------------------------------------------------------------------ */
+/* ---- The command line ---- */
 
 static hdr_status parse_and_run(int count, const char *const words[], hdr_error *error) {
     hdr_chain *chain = hdr_chain_new(error);

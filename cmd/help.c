@@ -36,7 +36,7 @@ static const struct kind *kind_of(const hdr_verb_about *verb) {
     return &kinds[0];
 }
 
-/* ---- On the terminal ------------------------------------------------------------------------------------------- */
+/* ---- On the terminal ---- */
 
 void cmd_print_version(void) {
     printf("hdrpipe %s\n", HDRPIPE_VERSION);
@@ -93,7 +93,7 @@ void cmd_print_verb_help(FILE *to, const hdr_verb_about *verb) {
     fprintf(to, "\nMore is in the manual: hdr-%s(1).\n", verb->name);
 }
 
-/* ---- For scripts ----------------------------------------------------------------------------------------------- */
+/* ---- For scripts ---- */
 
 static void print_list(void) {
     const hdr_verb_about *verb;
@@ -109,7 +109,7 @@ static void print_option_names(const hdr_option *options) {
     }
 }
 
-/* ---- Manual pages: text to mdoc -------------------------------------------------------------------------------- */
+/* ---- Manual pages: text to mdoc ---- */
 
 /* Between two letters it is a hyphen, anywhere else a minus, which must stay one on every device. */
 static bool is_hyphen(const char *at, const char *start) {
@@ -212,7 +212,7 @@ static void print_argument(const char *text) {
     if (quoted) putchar('"');
 }
 
-/* ---- Manual pages: parts --------------------------------------------------------------------------------------- */
+/* ---- Manual pages: parts ---- */
 
 static void print_date(void) {
     static const char *const months[] = {"January", "February", "March",     "April",   "May",      "June",
@@ -280,7 +280,7 @@ static void print_examples(const char *const *examples) {
     printf(".Ed\n");
 }
 
-/* ---- Manual pages: of a verb ----------------------------------------------------------------------------------- */
+/* ---- Manual pages: of a verb ---- */
 
 static void print_synopsis(const hdr_verb_about *verb) {
     printf(".Sh SYNOPSIS\n.Nm hdr\n.Cm %s\n", verb->name);
@@ -322,7 +322,7 @@ static void print_verb_page(const hdr_verb_about *verb) {
     printf(".Sh SEE ALSO\n.Xr hdr 1 ,\n.Xr hdrpipe 5 ,\n.Xr hdrpipe 7\n");
 }
 
-/* ---- Manual pages: of hdr itself ------------------------------------------------------------------------------- */
+/* ---- Manual pages: of hdr itself ---- */
 
 static const char hdr_synopsis[] = ".Sh SYNOPSIS\n"
                                    ".Nm\n"
@@ -429,7 +429,7 @@ static void print_hdr_page(void) {
     printf(".Sh SEE ALSO\n.Xr hdrpipe 5 ,\n.Xr hdrpipe 7\n");
 }
 
-/* ---- hdr help -------------------------------------------------------------------------------------------------- */
+/* ---- hdr help ---- */
 
 /* hdr help, --list, --man [VERB], --options [VERB], VERB. */
 hdr_status cmd_help(int count, const char *const words[], hdr_error *error) {

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Several files --------------------------------------------------------------------------------------------- */
+/* ---- Several files ---- */
 
 static hdr_status do_file(hdr_chain *chain, cmd_file_job job, const char *file, hdr_error *error) {
     hdr_input *input = hdr_input_open(file, error);
@@ -28,7 +28,7 @@ hdr_status cmd_each_file(hdr_chain *chain, cmd_file_job job, hdr_error *error) {
     return status;
 }
 
-/* ---- JSON ------------------------------------------------------------------------------------------------------ */
+/* ---- JSON ---- */
 
 /* The length of the UTF-8 sequence at text, or 0 when there is no valid one. */
 static size_t sequence_length(const unsigned char *text) {
@@ -90,7 +90,7 @@ static void print_json_window(const char *key, const hdr_window *window) {
     printf(", \"%s\": [%d, %d, %d, %d]", key, window->min_x, window->min_y, window->max_x, window->max_y);
 }
 
-/* ---- Pictures -------------------------------------------------------------------------------------------------- */
+/* ---- Pictures ---- */
 
 const char *cmd_plane_name(const hdr_picture *picture, int plane) {
     static const char *const names[] = {"R", "G", "B", "A"};
@@ -196,7 +196,7 @@ void cmd_print_picture_json(const hdr_picture *picture) {
     print_json_member("state", picture->state);
 }
 
-/* ---- hdr info -------------------------------------------------------------------------------------------------- */
+/* ---- hdr info ---- */
 
 static hdr_status print_info(hdr_chain *chain, hdr_input *input, const char *name, hdr_error *error) {
     hdr_picture picture;

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* ---- For people ------------------------------------------------------------------------------------------------ */
+/* ---- For people ---- */
 
 static void print_count(const char *label, uint64_t count, uint64_t of) {
     printf("  %-18s %llu", label, (unsigned long long)count);
@@ -46,7 +46,7 @@ static void print_text(const hdr_stats *stats) {
     printf("  %-18s %s\n", "opaque", stats->opaque ? "yes" : "no");
 }
 
-/* ---- For programs ---------------------------------------------------------------------------------------------- */
+/* ---- For programs ---- */
 
 static void print_json_count(const char *key, uint64_t count) {
     printf(", \"%s\": %llu", key, (unsigned long long)count);
@@ -101,7 +101,7 @@ static void print_json(const hdr_stats *stats, const char *name) {
     printf(", \"grey\": %s, \"opaque\": %s}\n", stats->grey ? "true" : "false", stats->opaque ? "true" : "false");
 }
 
-/* ---- hdr stats ------------------------------------------------------------------------------------------------- */
+/* ---- hdr stats ---- */
 
 static hdr_status print_stats(hdr_chain *chain, hdr_input *input, const char *name, hdr_error *error) {
     hdr_listener listener = cmd_listener(chain);

@@ -8,7 +8,8 @@ TEST_SCRIPTS := $(wildcard tests/cli/test_*.sh tests/laws/test_*.sh)
 
 $(BUILD)/tests/%: tests/%.c $(LIBRARY) $(BUILD)/flags
 	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) $(OPENEXR_CFLAGS) -Isrc -Itests/unit -MMD -MP $< -o $@ $(LIBRARY) $(LIBS) -lmpfr -lgmp
+	@echo '  CC $@'
+	$(Q)$(CC) $(ALL_CFLAGS) $(OPENEXR_CFLAGS) -Isrc -Itests/unit -MMD -MP $< -o $@ $(LIBRARY) $(LIBS) -lmpfr -lgmp
 
 -include $(TEST_PROGRAMS:=.d)
 
@@ -16,10 +17,12 @@ $(BUILD)/tests/%: tests/%.c $(LIBRARY) $(BUILD)/flags
 RENDER_SOURCES := testdata/render.c testdata/path.c testdata/scenes.c testdata/write_exr.c
 $(BUILD)/testdata/render: $(RENDER_SOURCES) $(wildcard testdata/*.h) $(BUILD)/flags
 	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) $(OPENEXR_CFLAGS) -o $@ $(RENDER_SOURCES) -lOpenEXRCore -lm
+	@echo '  CC $@'
+	$(Q)$(CC) $(ALL_CFLAGS) $(OPENEXR_CFLAGS) -o $@ $(RENDER_SOURCES) -lOpenEXRCore -lm
 $(BUILD)/testdata/tiny: testdata/tiny.c testdata/write_exr.c testdata/write_exr.h $(BUILD)/flags
 	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) $(OPENEXR_CFLAGS) -o $@ testdata/tiny.c testdata/write_exr.c -lOpenEXRCore -lm
+	@echo '  CC $@'
+	$(Q)$(CC) $(ALL_CFLAGS) $(OPENEXR_CFLAGS) -o $@ testdata/tiny.c testdata/write_exr.c -lOpenEXRCore -lm
 
 check: check-deps
 	$(MAKE) check-built

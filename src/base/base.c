@@ -9,7 +9,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-/* ---- The error record ------------------------------------------------------------------------------------------ */
+/* ---- The error record ---- */
 
 /* Names of files and words from a pipe's head get into messages, and messages onto terminals: no control byte may. */
 static void make_printable(char *message) {
@@ -61,7 +61,7 @@ hdr_status hdr_fail_in(hdr_error *err, const char *prefix) {
     return err->status;
 }
 
-/* ---- Memory ---------------------------------------------------------------------------------------------------- */
+/* ---- Memory ---- */
 
 /* No object is larger than pointers into it can be apart. */
 static bool too_large(size_t count, size_t size) {
@@ -151,7 +151,7 @@ uint64_t hdr_memory_default(void) {
     return (group < physical ? group : physical) / 2;
 }
 
-/* ---- Byte strings ---------------------------------------------------------------------------------------------- */
+/* ---- Byte strings ---- */
 
 hdr_status hdr_bytes_reserve(hdr_bytes *bytes, size_t room, hdr_error *err) {
     if (room <= bytes->room) return HDR_OK;

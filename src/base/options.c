@@ -12,7 +12,7 @@
 #define MAX_WHOLE 0x1p53   /* whole numbers beyond are not all doubles */
 #define QUOTED_LENGTH "80" /* how much of a bad value a message repeats */
 
-/* ---- Words ----------------------------------------------------------------------------------------------------- */
+/* ---- Words ---- */
 
 /* Index into the option's words, or -1. */
 static int word_index(const hdr_option *option, const char *text) {
@@ -39,7 +39,7 @@ static hdr_status print_alternatives(const hdr_option *option, const char *range
     return status;
 }
 
-/* ---- The help line --------------------------------------------------------------------------------------------- */
+/* ---- The help line ---- */
 
 /* A limit as it would be typed: 1, 0.5, 1M. No locale's decimal comma. */
 static void print_limit(const hdr_option *option, double limit, char *text, size_t size) {
@@ -131,7 +131,7 @@ static hdr_status refuse(const hdr_option *option, hdr_error *err, const char *t
     return hdr_fail(err, HDR_USAGE, "--%s %s\n%s", option->name, what, line);
 }
 
-/* ---- Numbers --------------------------------------------------------------------------------------------------- */
+/* ---- Numbers ---- */
 
 static const char *skip_digits(const char *text) {
     while (*text >= '0' && *text <= '9')
@@ -269,7 +269,7 @@ uint64_t hdr_nearest_rank(hdr_decimal percent, uint64_t count) {
     return rank < 1 ? 1 : rank;
 }
 
-/* ---- Setting --------------------------------------------------------------------------------------------------- */
+/* ---- Setting ---- */
 
 /* Puts the value that text stands for at the option's place. A text itself is not copied. */
 static hdr_status store(const hdr_option *option, const char *text, void *params, hdr_error *err) {
@@ -371,7 +371,7 @@ void hdr_options_free(hdr_options *options) {
     *options = (hdr_options){NULL, 0};
 }
 
-/* ---- The head's words ------------------------------------------------------------------------------------------ */
+/* ---- The head's words ---- */
 
 static bool plain_in_head(unsigned char c) {
     return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || (c && strchr("._,:/@+=-", c));

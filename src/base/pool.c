@@ -50,7 +50,7 @@ static run *run_of(const hdr_pool *pool) {
     return current_run && current_run->pool == pool ? current_run : (run *)&pool->run;
 }
 
-/* ---- Work ------------------------------------------------------------------------------------------------------ */
+/* ---- Work ---- */
 
 static void claim_no_more(run *r) {
     atomic_store(&r->next, (long long)r->items);
@@ -105,7 +105,7 @@ static void *worker_main(void *argument) {
     return NULL;
 }
 
-/* ---- Making and ending a pool ---------------------------------------------------------------------------------- */
+/* ---- Making and ending a pool ---- */
 
 static bool start_worker(hdr_pool *pool, int thread) {
     worker_start *start = hdr_alloc(1, sizeof *start);
@@ -165,7 +165,7 @@ int hdr_pool_threads(const hdr_pool *pool) {
     return pool->threads;
 }
 
-/* ---- Running --------------------------------------------------------------------------------------------------- */
+/* ---- Running ---- */
 
 static void prepare(run *r, hdr_pool *pool, int items, hdr_job job, void *context) {
     r->pool = pool;
@@ -216,7 +216,7 @@ hdr_status hdr_pool_run(hdr_pool *pool, int items, hdr_job job, void *context, h
     return result_of(&pool->run, err);
 }
 
-/* ---- Order ----------------------------------------------------------------------------------------------------- */
+/* ---- Order ---- */
 
 static bool turned_away(run *r, int item) {
     return atomic_load(&r->stopped) || atomic_load(&r->lowest_failed) < item;

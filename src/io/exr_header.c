@@ -35,8 +35,7 @@ static const char *const kept_attributes[] = {
 };
 enum { KEPT_ATTRIBUTES = sizeof kept_attributes / sizeof kept_attributes[0] };
 
-/* ---- Walking the attributes
- * ------------------------------------------------------------------------------------------ */
+/* ---- Walking the attributes ---- */
 
 static uint32_t little_endian_32(const unsigned char *bytes) {
     return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
@@ -173,8 +172,7 @@ static hdr_status read_start(hdr_input *input, hdr_exr_header *header, hdr_error
     return hdr_bytes_add(&header->text->bytes, start, sizeof start, err);
 }
 
-/* ---- The library's parser
- * -------------------------------------------------------------------------------------------- */
+/* ---- The library's parser ---- */
 
 static int64_t read_text(exr_const_context_t context, void *user_data, void *buffer, uint64_t size, uint64_t offset,
                          exr_stream_error_func_ptr_t complain) {
@@ -220,8 +218,7 @@ static hdr_status parse(hdr_input *input, hdr_exr_header *header, hdr_error *err
                     complaint[0] ? complaint : exr_get_error_code_as_string(result));
 }
 
-/* ---- What the header says
- * -------------------------------------------------------------------------------------------- */
+/* ---- What the header says ---- */
 
 static hdr_status read_compression(const char *name, hdr_exr_header *header, hdr_error *err) {
     static const char *const names[] = {"none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "DWAA", "DWAB"};
@@ -312,8 +309,7 @@ static hdr_status read_state(const char *name, hdr_exr_header *header, hdr_error
     return HDR_OK;
 }
 
-/* ---- Channels
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- Channels ---- */
 
 static int find_channel(const exr_attr_chlist_t *list, const char *name) {
     for (int i = 0; i < list->num_channels; i++)
@@ -395,8 +391,7 @@ static hdr_status choose_channels(const char *name, hdr_exr_header *header, hdr_
     return status;
 }
 
-/* ---- In all
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- In all ---- */
 
 hdr_status hdr_exr_header_read(hdr_input *input, hdr_exr_header *header, hdr_error *err) {
     const char *name = hdr_input_name(input);

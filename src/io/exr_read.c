@@ -50,8 +50,7 @@ static bool buffer_room(struct buffer *buffer, size_t size) {
     return buffer->bytes != NULL;
 }
 
-/* ---- Finding chunks
- * -------------------------------------------------------------------------------------------------- */
+/* ---- Finding chunks ---- */
 
 static uint32_t little_endian_32(const unsigned char *bytes) {
     return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
@@ -152,8 +151,7 @@ static hdr_status read_table(struct exr_source *source, hdr_error *err) {
     return HDR_OK;
 }
 
-/* ---- Decoding
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- Decoding ---- */
 
 /* Reads a chunk and unpacks it to place bytes behind the start of the worker's chunk buffer, which room bytes are
  * enough for. The buffer gets that room only when the packed bytes have come and may well hold what they claim to. */
@@ -279,8 +277,7 @@ static hdr_status read_tiles(struct exr_source *source, struct exr_worker *worke
     return HDR_OK;
 }
 
-/* ---- The source
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- The source ---- */
 
 static void worker_free(hdr_source *base, void *worker) {
     (void)base;

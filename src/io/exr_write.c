@@ -57,8 +57,7 @@ typedef struct exr_packer {
     bool encode_ready;
 } exr_packer;
 
-/* ---- The library's way out
- * ---------------------------------------------------------------------------------------------- */
+/* ---- The library's way out ---- */
 
 static hdr_status flush_gathered(exr_sink *self, hdr_error *err) {
     if (self->gathered.size == 0) return HDR_OK;
@@ -103,8 +102,7 @@ static hdr_status out_of_memory(const hdr_sink *sink, hdr_error *err) {
     return hdr_fail(err, HDR_INTERNAL, "%s: out of memory", hdr_output_name(sink->output));
 }
 
-/* ---- The header
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- The header ---- */
 
 /* The file has its channels in alphabetical order, A B G R or A Y: the samples' order, R G B A or Y A, reversed. */
 static const char *channel_name(const hdr_frame *frame, int file_channel) {
@@ -167,8 +165,7 @@ static hdr_status exr_begin(hdr_sink *sink, hdr_error *err) {
     return status == HDR_OK ? flush_gathered(self, err) : status;
 }
 
-/* ---- Packing
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- Packing ---- */
 
 static hdr_status make_room(const hdr_sink *sink, unsigned char **buffer, size_t *room, size_t size, hdr_error *err) {
     if (size <= *room) return HDR_OK;
@@ -367,8 +364,7 @@ static hdr_status exr_packer_new(hdr_sink *sink, void **packer, hdr_error *err) 
     return HDR_OK;
 }
 
-/* ---- Writing
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- Writing ---- */
 
 static hdr_status exr_deliver(hdr_sink *sink, void *packer, hdr_error *err) {
     exr_sink *self = (exr_sink *)sink;

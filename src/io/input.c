@@ -64,8 +64,7 @@ struct hdr_input {
     struct pipe_memory pipe;
 };
 
-/* ---- Opening
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- Opening ---- */
 
 /* Keeps the end of a long name, without line breaks and not from within a UTF-8 sequence. */
 static void set_name(hdr_input *input, const char *name) {
@@ -177,8 +176,7 @@ hdr_input *hdr_input_planes(int width, int height, int planes, const float *cons
     return input;
 }
 
-/* ---- Growing memory
- * -------------------------------------------------------------------------------------------------- */
+/* ---- Growing memory ---- */
 
 /* Takes as much address space as there is to have; it costs nothing until it is used. */
 static bool reserve(struct pipe_memory *pipe) {
@@ -213,8 +211,7 @@ static uint64_t room_at(struct pipe_memory *pipe, uint64_t have) {
     return pipe->committed - have;
 }
 
-/* ---- Reading a pipe
- * -------------------------------------------------------------------------------------------------- */
+/* ---- Reading a pipe ---- */
 
 /* Waits until a descriptor is ready. False: the wake event came. */
 static bool wait_for(int descriptor, short events, int wake) {
@@ -318,8 +315,7 @@ static hdr_status await(hdr_input *input, uint64_t end, hdr_error *err) {
     return status;
 }
 
-/* ---- Reading
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- Reading ---- */
 
 /* Copies from what is in memory; at counts from the start of all. */
 static int64_t copy_out(const unsigned char *bytes, uint64_t have, void *buffer, uint64_t size, uint64_t at) {
@@ -388,8 +384,7 @@ const hdr_planes *hdr_input_get_planes(const hdr_input *input) {
     return input->kind == INPUT_PLANES ? &input->planes : NULL;
 }
 
-/* ---- Forwarding
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- Forwarding ---- */
 
 /* What to do about a failed call of a copying loop. */
 enum verdict { TRY_AGAIN, CALL_UNFIT, GIVE_UP };
@@ -516,8 +511,7 @@ hdr_status hdr_input_forward(hdr_input *input, int descriptor, hdr_error *err) {
     return hdr_fail(err, HDR_INTERNAL, "%s: it is no file that could be passed on", input->name);
 }
 
-/* ---- Closing
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- Closing ---- */
 
 /* Ends the thread wherever it waits: on the condition, or in poll on a pipe whose writer is still busy. */
 static void stop_reading_ahead(struct pipe_memory *pipe) {

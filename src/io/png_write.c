@@ -49,8 +49,7 @@ static int frame_depth(const hdr_frame *frame) {
     return frame->sample == HDR_SAMPLE_U8 ? 8 : 16;
 }
 
-/* ---- Around the pixels: libpng
- * ---------------------------------------------------------------------------------------- */
+/* ---- Around the pixels: libpng ---- */
 
 static void on_png_error(png_structp png, png_const_charp message) {
     png_sink *self = png_get_error_ptr(png);
@@ -199,8 +198,7 @@ static hdr_status png_end(hdr_sink *sink, hdr_error *err) {
     return guarded(self, write_tail, err);
 }
 
-/* ---- The pixels
- * ------------------------------------------------------------------------------------------------------- */
+/* ---- The pixels ---- */
 
 static hdr_status png_packer_new(hdr_sink *sink, void **packer, hdr_error *err) {
     png_packer *self = hdr_alloc(1, sizeof *self);
@@ -334,8 +332,7 @@ static hdr_status png_deliver(hdr_sink *sink, void *packer, hdr_error *err) {
     return status;
 }
 
-/* ---- The sink
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- The sink ---- */
 
 static void png_close(hdr_sink *sink) {
     png_sink *self = (png_sink *)sink;

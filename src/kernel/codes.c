@@ -61,13 +61,12 @@ HDR_INLINE void lookup(const hdr_code_table *table, const double *c, uint8_t *ou
     const int64_t first = table->first, last = table->last;
     const int shift = table->shift;
     for (size_t i = 0; i < count; i++) {
-        double value = c[i] > 0 ? c[i] : 0;
-        int64_t bits = (int64_t)hdr_real_bits(value);
+        int64_t bits = (int64_t)hdr_real_bits(c[i]); /* below 0 for what is below 0, -0 too */
         bits = bits > first ? bits : first;
         bits = bits < last ? bits : last;
         unsigned code = table->base[(bits - first) >> shift];
         for (int k = 0; k < compares; k++)
-            code += value >= table->threshold[code + 1];
+            code += c[i] >= table->threshold[code + 1];
         out[i * stride] = (uint8_t)code;
     }
 }

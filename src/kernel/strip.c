@@ -256,29 +256,28 @@ HDR_INLINE void hdr_range_add_body(hdr_range *range, const double *values, size_
 }
 HDR_VERSIONS(hdr_range_add, (hdr_range * range, const double *values, size_t count), (range, values, count))
 
-HDR_INLINE void hdr_sum_logs_body(const double *y, double lanes[8], uint64_t *lit, size_t count) {
-    double logs[HDR_STRIP];
-    while (count > 0) {
-        size_t n = count < HDR_STRIP ? count : HDR_STRIP;
-        double number = 0;
-        for (size_t i = 0; i < n; i++)
-            logs[i] = hdr_log(y[i] > 0 ? y[i] : 1); /* ln 1 = 0 adds nothing */
-        for (size_t i = 0; i < n; i++)
-            number += y[i] > 0 ? 1.0 : 0.0; /* whole numbers: exact in any order */
-        size_t whole = n / 8 * 8;
-        for (size_t i = 0; i < whole; i += 8)
-            for (int l = 0; l < 8; l++)
-                /* cppcheck-suppress uninitvar */
-                lanes[l] += logs[i + (size_t)l];
-        for (size_t i = whole; i < n; i++)
-            lanes[i - whole] += logs[i];
-        *lit += (uint64_t)number;
-        y += n;
-        count -= n;
-    }
-}
-HDR_VERSIONS(hdr_sum_logs, (const double *y, double lanes[8], uint64_t *lit, size_t count), (y, lanes, lit, count))
-
 double hdr_sum_lanes(const double lanes[8]) {
     return ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]));
 }
+
+HDR_INLINE void hdr_sum_logs_body(const double *y, double lanes[8], uint64_t *lit, size_t count) {
+    double logs[HDR_STRIP] = {0}, number[8] = {0};
+    while (count > 0) {
+        size_t n = count < HDR_STRIP ? count : HDR_STRIP, whole = n / 8 * 8;
+        for (size_t i = 0; i < n; i++)
+            logs[i] = hdr_log(y[i] > 0 ? y[i] : 1); /* ln 1 = 0 adds nothing */
+        for (size_t i = 0; i < whole; i += 8)
+            for (int l = 0; l < 8; l++) {
+                lanes[l] += logs[i + (size_t)l];
+                number[l] += y[i + (size_t)l] > 0 ? 1.0 : 0.0; /* whole numbers: exact in any order */
+            }
+        for (size_t i = whole; i < n; i++) {
+            lanes[i - whole] += logs[i];
+            number[i - whole] += y[i] > 0 ? 1.0 : 0.0;
+        }
+        y += n;
+        count -= n;
+    }
+    *lit += (uint64_t)hdr_sum_lanes(number);
+}
+HDR_VERSIONS(hdr_sum_logs, (const double *y, double lanes[8], uint64_t *lit, size_t count), (y, lanes, lit, count))

@@ -43,6 +43,7 @@ static hdr_verdict plan(const void *params, const hdr_scene *scene, hdr_step *st
     if (!p->decode && hdr_check_linear(scene, p->force, err)) return HDR_REFUSE;
     step->form = HDR_FORM_CHANNEL;
     step->curve = p->decode ? &srgb_decode : &srgb_encode;
+    snprintf(step->note, sizeof step->note, "IEC 61966-2-1%s", p->decode ? ", inverse" : "");
     snprintf(step->state, sizeof step->state, "%s", p->decode ? "linear" : "srgb");
     return HDR_RUN;
 }

@@ -1,5 +1,4 @@
-/* For tests: EXR files written to memory and read from it by OpenEXRCore's own routines, with no code of ours between.
- */
+/* For tests: EXR files written to memory and read from it by OpenEXRCore's own routines, with no code of ours. */
 #ifndef HDR_TESTS_EXR_MAKE_H
 #define HDR_TESTS_EXR_MAKE_H
 
@@ -151,6 +150,13 @@ static inline bool write_chunks(exr_context_t context, const recipe *r) {
     return done;
 }
 
+/* The library writes lines from the last to the first only under the name of any order. */
+static inline void declare_upwards(file_bytes *file) {
+    static const char attribute[] = "lineOrder\0lineOrder\0\1\0\0";
+    unsigned char *found = memmem(file->data, file->size, attribute, sizeof attribute);
+    if (found) found[sizeof attribute] = EXR_LINEORDER_DECREASING_Y;
+}
+
 static inline bool make_exr(recipe *r, uint64_t *random, file_bytes *file) {
     exr_context_initializer_t initializer = memory_initializer(file);
     exr_context_t context = NULL;
@@ -167,7 +173,7 @@ static inline bool make_exr(recipe *r, uint64_t *random, file_bytes *file) {
     if (done && r->tile)
         done = exr_set_tile_descriptor(context, 0, (uint32_t)r->tile, (uint32_t)r->tile, EXR_TILE_ONE_LEVEL,
                                        EXR_TILE_ROUND_DOWN) == EXR_ERR_SUCCESS;
-    if (done && r->upwards) done = exr_set_lineorder(context, 0, EXR_LINEORDER_DECREASING_Y) == EXR_ERR_SUCCESS;
+    if (done && r->upwards) done = exr_set_lineorder(context, 0, EXR_LINEORDER_RANDOM_Y) == EXR_ERR_SUCCESS;
     if (done && r->state) done = exr_attr_set_string(context, 0, "hdrpipeState", r->state) == EXR_ERR_SUCCESS;
     for (int c = 0; done && c < r->channels; c++) {
         int sampling = r->sampling && c == r->channels - 1 ? r->sampling : 1;
@@ -177,6 +183,7 @@ static inline bool make_exr(recipe *r, uint64_t *random, file_bytes *file) {
     done = done && exr_write_header(context) == EXR_ERR_SUCCESS;
     if (done && !r->sampling) done = write_chunks(context, r);
     if (context && exr_finish(&context) != EXR_ERR_SUCCESS) done = false;
+    if (done && r->upwards) declare_upwards(file);
     return done;
 }
 

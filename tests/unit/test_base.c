@@ -13,7 +13,7 @@
 #include <string.h>
 #include <time.h>
 
-/* ---- Errors ---------------------------------------------------------------------------------------------------- */
+/* ---- Errors ---- */
 
 static void test_errors(void) {
     hdr_error error = {0};
@@ -47,7 +47,7 @@ static void test_errors(void) {
     }
 }
 
-/* ---- Memory ---------------------------------------------------------------------------------------------------- */
+/* ---- Memory ---- */
 
 static void test_memory(void) {
     volatile size_t most = SIZE_MAX; /* volatile: the compiler would warn about what is tested */
@@ -110,7 +110,7 @@ static void test_cpu(void) {
             CHECK((int)level <= i, "HDR_CPU=%s holds %s down", held, hdr_cpu_name(level));
 }
 
-/* ---- Options --------------------------------------------------------------------------------------------------- */
+/* ---- Options ---- */
 
 typedef struct values {
     bool flag;
@@ -345,7 +345,7 @@ static void test_locale(void) {
     setlocale(LC_NUMERIC, "C");
 }
 
-/* ---- Decimals and ranks ---------------------------------------------------------------------------------------- */
+/* ---- Decimals and ranks ---- */
 
 static uint64_t hundred_of(int places) {
     return places > 0 ? 10 * hundred_of(places - 1) : 100;
@@ -406,7 +406,7 @@ static void test_ranks(void) {
     CHECK(hdr_nearest_rank((hdr_decimal){1, 15}, UINT64_MAX) == 185, "10^-15 percent");
 }
 
-/* ---- The pool -------------------------------------------------------------------------------------------------- */
+/* ---- The pool ---- */
 
 static void pause_briefly(unsigned seed) {
     unsigned x = seed * 2654435761u >> 16;

@@ -12,8 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* ---- Files
- * -------------------------------------------------------------------------------------------------------------- */
+/* ---- Files ---- */
 
 /* The number of entries of the working directory whose name begins with prefix ("": all). */
 static int count_entries(const char *prefix) {
@@ -60,8 +59,7 @@ static hdr_status put_text(const char *path, const char *text) {
     return err.status;
 }
 
-/* ---- Names
- * -------------------------------------------------------------------------------------------------------------- */
+/* ---- Names ---- */
 
 static void test_whole_or_nothing(void) {
     hdr_error err = {0};
@@ -132,8 +130,7 @@ static void test_cannot_create(void) {
     CHECK(count_entries("") == 0, "something is left behind");
 }
 
-/* ---- What is written
- * ---------------------------------------------------------------------------------------------------- */
+/* ---- What is written ---- */
 
 /* Positions in any order, gaps, and a restart, which must forget the rest of what was there. */
 static void check_positions(hdr_output *output) {
@@ -196,8 +193,7 @@ static void test_full_disk(void) {
     CHECK(close(full) == 0, "the descriptor was closed");
 }
 
-/* ---- Descriptors
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- Descriptors ---- */
 
 static void test_descriptor(void) {
     hdr_error err = {0};
@@ -268,8 +264,7 @@ static void test_terminal(void) {
     close(master);
 }
 
-/* ---- Signals
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- Signals ---- */
 
 static void end_by_signal(int number) {
     hdr_output_remove_temporary();

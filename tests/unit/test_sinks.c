@@ -21,8 +21,7 @@ static uint64_t random_bits(void) {
     return z ^ (z >> 31);
 }
 
-/* ---- Pictures
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- Pictures ---- */
 
 typedef enum content { NOISE, SMOOTH, CONSTANT, CONTENTS } content;
 
@@ -68,8 +67,7 @@ static unsigned char *make_samples(const hdr_frame *frame, content what) {
     return samples;
 }
 
-/* ---- Through a sink
- * ----------------------------------------------------------------------------------------------------- */
+/* ---- Through a sink ---- */
 
 /* Packs up to PACKERS bands, the last one first, then delivers them. Returns the first row that is not done. */
 static int write_group(hdr_sink *sink, void *const packers[], unsigned char *samples, int first_row, int band_rows,
@@ -151,8 +149,7 @@ static void check_repeatable(sink_maker maker, const hdr_frame *frame, hdr_compr
     hdr_output_free(again);
 }
 
-/* ---- PNG
- * ---------------------------------------------------------------------------------------------------------------- */
+/* ---- PNG ---- */
 
 typedef struct byte_reader {
     const unsigned char *data;
@@ -312,8 +309,7 @@ static void test_png_coding_points(void) {
     check_coding_points("pq", &wide_gamut, 0, 0);
 }
 
-/* ---- EXR
- * ---------------------------------------------------------------------------------------------------------------- */
+/* ---- EXR ---- */
 
 static hdr_sink *make_exr(hdr_output *output, const hdr_frame *frame, hdr_compression compression, hdr_error *err) {
     return hdr_exr_create(output, frame, compression, err);
@@ -551,8 +547,7 @@ static void test_exr_b44_single_row(void) {
     free(samples);
 }
 
-/* ---- PFM
- * ---------------------------------------------------------------------------------------------------------------- */
+/* ---- PFM ---- */
 
 static void check_pfm(int width, int height, int planes, int band_rows) {
     hdr_frame frame = make_frame(width, height, planes, false, HDR_SAMPLE_FLOAT);

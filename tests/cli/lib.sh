@@ -1,0 +1,96 @@
+# What the scripts of this folder share. They are run from the project's root and begin with `. tests/cli/lib.sh`.
+# shellcheck shell=sh disable=SC2034 # the scripts use these variables, this file does not
+
+BUILD=${BUILD:-build}
+CC=${CC:-cc}
+case $BUILD in
+/*) ;;
+*) BUILD=$PWD/$BUILD ;;
+esac
+hdr=$BUILD/hdr
+# what is tested is the program, not the user's settings
+unset HDR_THREADS HDR_CPU HDR_DEFER NO_COLOR SOURCE_DATE_EPOCH
+
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+trap 'exit 1' HUP INT TERM
+
+passed=0 failed=0 skipped=0
+
+ok() {
+    passed=$((passed + 1))
+}
+
+fail() {
+    failed=$((failed + 1))
+    printf 'failed: %s\n' "$*"
+}
+
+skip() {
+    skipped=$((skipped + 1))
+    printf 'skipped: %s\n' "$*"
+}
+
+# check NAME COMMAND...: the command succeeds.
+check() {
+    check_name=$1
+    shift
+    if "$@"; then ok; else fail "$check_name"; fi
+}
+
+# expect_status WANTED NAME COMMAND...: its exit status. What it wrote is in $work/stdout and $work/stderr afterwards.
+expect_status() {
+    wanted=$1 check_name=$2
+    shift 2
+    "$@" >"$work/stdout" 2>"$work/stderr"
+    status=$?
+    if [ "$status" -eq "$wanted" ]; then
+        ok
+    else
+        fail "$check_name: status $status instead of $wanted, $(head -n 2 "$work/stderr")"
+    fi
+}
+
+# The last command wrote that many lines to standard error.
+stderr_lines() {
+    [ "$(wc -l <"$work/stderr")" -eq "$1" ]
+}
+
+# One line that holds the text and does not say it twice.
+one_line_with() {
+    stderr_lines 1 && [ "$(grep -oF -- "$1" "$work/stderr" | wc -l)" -eq 1 ]
+}
+
+stderr_has() {
+    grep -qF -- "$1" "$work/stderr"
+}
+
+absent() {
+    ! [ -e "$1" ] && ! [ -L "$1" ]
+}
+
+empty_directory() {
+    [ -z "$(ls -A "$1")" ]
+}
+
+# The names of the verbs of a kind: filter, format, program.
+verbs_of_kind() {
+    "$hdr" help --list | awk -F '\t' -v kind="$1" '$2 == kind { print $1 }'
+}
+
+# is_png FILE, is_exr FILE: by their first bytes.
+is_png() {
+    [ "$(head -c 8 "$1" | od -An -tx1 | tr -d ' \n')" = 89504e470d0a1a0a ]
+}
+
+is_exr() {
+    [ "$(head -c 4 "$1" | od -An -tx1 | tr -d ' \n')" = 762f3101 ]
+}
+
+# finish NAME: the line that the test runner reads. As the last command it gives the script its status.
+finish() {
+    printf '%s: %d passed, %d failed' "$1" "$passed" "$failed"
+    if [ "$skipped" -gt 0 ]; then printf ', %d skipped' "$skipped"; fi
+    printf '\n'
+    [ "$failed" -eq 0 ]
+}

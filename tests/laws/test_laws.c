@@ -1,0 +1,417 @@
+/* The laws of SPEC.md that hold for every chain, tried with every filter of the registry: a verb that is added is under
+ * them at once. Law 1 (pipe = then) is in test_pipes.sh, since it is about processes. */
+#include "laws.h"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+/* The processor's level is chosen once a process: this program runs itself again with HDR_CPU and compares what it
+ * computes. */
+#define DIGESTS_WORD "digests"
+
+static unsigned long skipped;
+
+static bool is_plain(const law_variant *variant) {
+    return variant->values < 2;
+}
+
+/* Every variant meets every picture, but pairs of options only every seventh, in turn; big pictures are met by each
+ * verb's defaults. */
+static bool is_tried(int variant, int picture) {
+    const law_variant *v = &law_variants[variant];
+    if (law_pictures[picture].few) return v->values == 0;
+    return is_plain(v) || (variant + picture) % 7 == 0;
+}
+
+static void check_same(const law_picture *picture, const law_variant *variant, const char *format, const char *setting,
+                       const law_result *expected, const char *because) {
+    law_result other = law_run(picture, "%s then %s %s", variant->words, format, setting);
+    CHECK(law_same(expected, &other), "%s: %s then %s %s on %s: other bytes (status %d, %d; %s)", because,
+          variant->words, format, setting, picture->name, (int)expected->status, (int)other.status, other.message);
+    free(other.bytes);
+}
+
+/* ---- Laws 2, 3 and 4 ---- */
+
+/* How many floats lie between two. */
+static uint32_t float_distance(float a, float b) {
+    uint32_t bits[2];
+    memcpy(&bits[0], &a, 4);
+    memcpy(&bits[1], &b, 4);
+    for (int i = 0; i < 2; i++)
+        bits[i] = bits[i] & 0x80000000u ? 0x80000000u - (bits[i] & 0x7fffffffu) : bits[i] + 0x80000000u;
+    return bits[0] > bits[1] ? bits[0] - bits[1] : bits[1] - bits[0];
+}
+
+static void check_reference_floats(const law_picture *picture, const law_variant *variant) {
+    law_result fast = law_run(picture, "%s then pfm -j 1", variant->words);
+    law_result exact = law_run(picture, "%s then pfm -j 1 --reference", variant->words);
+    size_t count = 0, exact_count = 0;
+    float *a = law_read_pfm(&fast, &count), *b = law_read_pfm(&exact, &exact_count);
+    uint32_t farthest = count == exact_count ? 0 : UINT32_MAX;
+    for (size_t i = 0; a && b && i < count && count == exact_count; i++) {
+        uint32_t distance = float_distance(a[i], b[i]);
+        farthest = distance > farthest ? distance : farthest;
+    }
+    CHECK(a && b && farthest <= 2, "law 4: %s on %s: %u floats from the reference", variant->words, picture->name,
+          farthest);
+    free(a);
+    free(b);
+    free(fast.bytes);
+    free(exact.bytes);
+}
+
+static void test_settings(void) {
+    static const char *const formats[] = {"png", "png --bits 16", "exr"};
+    static const char *const law2[] = {"-j 2", "-j 5", "--memory 1M", "-j 2 --memory 1M"};
+    for (int p = 0; p < law_picture_count; p++)
+        for (int v = 0; v < law_variant_count; v++) {
+            if (!is_tried(v, p)) continue;
+            const law_picture *picture = &law_pictures[p];
+            const law_variant *variant = &law_variants[v];
+            for (int f = 0; f < 3; f++) {
+                law_result base = law_run(picture, "%s then %s -j 1", variant->words, formats[f]);
+                CHECK(base.status == HDR_OK, "%s on %s: %s", variant->words, picture->name, base.message);
+                int settings = is_plain(variant) ? 4 : 1;
+                for (int s = 0; s < settings; s++)
+                    check_same(picture, variant, formats[f], law2[(s + v) % 4], &base, "law 2");
+                check_same(picture, variant, formats[f], "-j 1 --no-skip", &base, "law 3");
+                if (f < 2) check_same(picture, variant, formats[f], "-j 1 --reference", &base, "law 4");
+                free(base.bytes);
+            }
+            check_reference_floats(picture, variant);
+        }
+}
+
+/* ---- Law 2: instruction sets ---- */
+
+/* Digests of all results, in order, one a line. */
+static int print_digests(void) {
+    static const char *const formats[] = {"png", "png --bits 16", "pfm"};
+    for (int p = 0; p < law_picture_count; p++)
+        for (int v = 0; v < law_variant_count; v++) {
+            if (!is_tried(v, p)) continue;
+            for (int f = 0; f < 3; f++) {
+                law_result result = law_run(&law_pictures[p], "%s then %s -j 1", law_variants[v].words, formats[f]);
+                printf("%016llx %d %d %d\n", (unsigned long long)law_digest(result.bytes, result.size), p, v, f);
+                free(result.bytes);
+            }
+        }
+    return 0;
+}
+
+static FILE *start_at_level(const char *level, pid_t *child) {
+    int ends[2];
+    if (pipe(ends)) return NULL;
+    *child = fork();
+    if (*child == 0) {
+        setenv("HDR_CPU", level, 1);
+        dup2(ends[1], 1);
+        close(ends[0]);
+        close(ends[1]);
+        execl("/proc/self/exe", "test_laws", DIGESTS_WORD, (char *)NULL);
+        _exit(127);
+    }
+    close(ends[1]);
+    return fdopen(ends[0], "r");
+}
+
+static void test_levels(void) {
+    static const char *const levels[] = {"c", "sse2", "avx2", "avx512"};
+    enum { LEVELS = 4 };
+    FILE *from[LEVELS];
+    pid_t child[LEVELS];
+    char line[LEVELS][100];
+    for (int l = 0; l < LEVELS; l++)
+        from[l] = start_at_level(levels[l], &child[l]);
+    unsigned long lines = 0;
+    for (bool more = true; more;) {
+        for (int l = 0; l < LEVELS; l++)
+            if (!from[l] || !fgets(line[l], sizeof line[l], from[l])) line[l][0] = 0;
+        more = line[0][0] != 0;
+        lines += more;
+        int p = 0, v = 0, f = 0;
+        if (sscanf(line[0], "%*s %d %d %d", &p, &v, &f) != 3) p = v = 0;
+        for (int l = 1; l < LEVELS; l++)
+            CHECK(!strcmp(line[0], line[l]), "law 2: HDR_CPU=%s and c differ: %s on %s (format %d)", levels[l],
+                  law_variants[v].words, law_pictures[p].name, f);
+    }
+    for (int l = 0; l < LEVELS; l++) {
+        int status = -1;
+        if (from[l]) fclose(from[l]);
+        waitpid(child[l], &status, 0);
+        CHECK(status == 0, "the run with HDR_CPU=%s ended with status %d", levels[l], status);
+    }
+    CHECK(lines >= (unsigned long)law_variant_count, "only %lu results were compared", lines);
+}
+
+/* ---- Law 5 ---- */
+
+/* Options with which a verb that takes facts depends on exposure after all: SPEC names them. */
+static bool is_absolute(const law_variant *variant) {
+    static const struct {
+        const char *verb, *option, *text;
+    } absolute[] = {{"log", "mode", "literal"}, {"reinhard", "delta", NULL}};
+    for (int i = 0; i < variant->values; i++) {
+        const law_value *value = &variant->value[i];
+        /* a number where "auto" could stand is in the scene's units */
+        for (int w = 0; value->option->words && value->option->words[w]; w++)
+            if (value->option->type == HDR_OPTION_NUMBER && !strcmp(value->option->words[w], "auto") &&
+                strcmp(value->text, "auto") != 0)
+                return true;
+        for (size_t a = 0; a < sizeof absolute / sizeof *absolute; a++)
+            if (!strcmp(variant->verb->about.name, absolute[a].verb) &&
+                !strcmp(value->option->name, absolute[a].option) &&
+                (!absolute[a].text || !strcmp(value->text, absolute[a].text)))
+                return true;
+    }
+    return false;
+}
+
+static bool takes_facts(const law_variant *variant) {
+    hdr_options given = {0};
+    hdr_request request = {0};
+    void *params = law_parameters(variant, &given);
+    if (variant->verb->needs) variant->verb->needs(params, &request);
+    hdr_options_free(&given);
+    free(params);
+    return request.facts || request.percentiles;
+}
+
+static unsigned long compared_codes, changed_codes;
+
+static void check_exposure(const law_variant *variant, const law_picture *picture, const law_picture *scaled,
+                           int stops) {
+    law_result a = law_run(picture, "%s then png", variant->words);
+    law_result b = law_run(scaled, "%s then png", variant->words);
+    size_t count = 0, scaled_count = 0;
+    uint16_t *before = law_read_png(&a, &count), *after = law_read_png(&b, &scaled_count);
+    int farthest = 0;
+    for (size_t i = 0; before && after && count == scaled_count && i < count; i++) {
+        int distance = abs((int)before[i] - (int)after[i]);
+        farthest = distance > farthest ? distance : farthest;
+        changed_codes += distance != 0;
+        compared_codes++;
+    }
+    CHECK(count > 0 && count == scaled_count && farthest <= 1, "law 5: %s on %s times 2^%d: a code changes by %d",
+          variant->words, picture->name, stops, farthest);
+    free(before);
+    free(after);
+    free(a.bytes);
+    free(b.bytes);
+}
+
+static void test_exposure(void) {
+    for (int p = 0; p < law_picture_count; p++) {
+        law_picture *picture = &law_pictures[p];
+        if (picture->path || picture->few || strstr(picture->name, "extreme")) continue;
+        law_picture scaled =
+            law_new_picture(picture->name, picture->width, picture->height, picture->planes, picture->alpha);
+        if (picture->alpha) memcpy(scaled.alpha, picture->alpha, law_pixels(picture) * sizeof(float));
+        for (int stops = -20; stops <= 20; stops += p % 3 ? 13 : 4) {
+            for (int c = 0; c < picture->planes; c++)
+                for (size_t i = 0; i < law_pixels(picture); i++)
+                    scaled.plane[c][i] = ldexpf(picture->plane[c][i], stops);
+            for (int v = 0; v < law_variant_count; v++)
+                if (is_tried(v, p) && takes_facts(&law_variants[v]) && !is_absolute(&law_variants[v]))
+                    check_exposure(&law_variants[v], picture, &scaled, stops);
+        }
+        law_free_picture(&scaled);
+    }
+}
+
+/* ---- Law 6 ---- */
+
+static void check_finite(const law_picture *picture, const char *chain) {
+    law_result pfm = law_run(picture, "%s then pfm", chain);
+    /* a chain that encodes twice is refused */
+    if (pfm.status == HDR_BAD_DATA && strstr(pfm.message, "encoded already")) return;
+    size_t count = 0, bad = 0;
+    float *values = law_read_pfm(&pfm, &count);
+    for (size_t i = 0; i < count; i++)
+        bad += !isfinite(values[i]);
+    CHECK(values && bad == 0, "law 6: %s on %s: %zu of %zu floats are not finite %s", chain, picture->name, bad, count,
+          pfm.message);
+    free(values);
+    free(pfm.bytes);
+    static const char *const types[] = {"float", "half"};
+    for (int t = 0; t < 2; t++) {
+        law_result exr = law_run(picture, "%s then exr --compression none --type %s", chain, types[t]);
+        hdr_error error = {0};
+        hdr_stats stats = {0};
+        hdr_chain *reading = hdr_chain_new(&error);
+        hdr_chain_add(reading, (const char *const[]){"stats"}, 1, &error);
+        hdr_input *input = exr.bytes ? hdr_input_memory(exr.bytes, exr.size, "result", &error) : NULL;
+        if (input) hdr_chain_stats(reading, input, &stats, NULL, &error);
+        uint64_t repaired = stats.nan + stats.positive_infinity + stats.negative_infinity;
+        CHECK(stats.pixels > 0 && repaired == 0,
+              "law 6: %s then exr --type %s on %s: %llu components are not finite %s%s", chain, types[t], picture->name,
+              (unsigned long long)repaired, exr.message, error.message);
+        hdr_input_free(input);
+        hdr_chain_free(reading);
+        free(exr.bytes);
+    }
+}
+
+static void test_finite(void) {
+    char chain[500];
+    for (int p = 0; p < law_picture_count; p++) {
+        const law_picture *picture = &law_pictures[p];
+        bool hardest = strstr(picture->name, "extreme") || strstr(picture->name, "all ");
+        for (int v = 0; v < law_variant_count; v++) {
+            const law_variant *variant = &law_variants[v];
+            if (!is_tried(v, p) && !strstr(picture->name, "extreme")) continue;
+            check_finite(picture, variant->words);
+            if (!hardest || !is_plain(variant) || picture->few) continue;
+            /* any verb's defaults before and after; among them what raises to the ends of float */
+            snprintf(chain, sizeof chain, "%s then expose --ev 300", variant->words);
+            check_finite(picture, chain);
+            snprintf(chain, sizeof chain, "expose --ev 300 then %s", variant->words);
+            check_finite(picture, chain);
+            for (int w = 0; w < law_variant_count; w++) {
+                if (law_variants[w].values) continue;
+                snprintf(chain, sizeof chain, "%s then %s", variant->words, law_variants[w].words);
+                check_finite(picture, chain);
+            }
+        }
+    }
+}
+
+/* ---- Law 7 ---- */
+
+static int compare_floats(const void *a, const void *b) {
+    float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+/* From -10 over 0 to 1e6, with runs of neighbouring floats where curves have their joints. */
+static law_picture make_ramp(void) {
+    enum { SPREAD = 3000, RUN = 100 };
+    static const float joints[] = {0.0031308f, 0.04045f, 0.018f, 0.081f, 0.5f, 1, 12.92f, 1e-3f, 1.0f / 12};
+    enum { JOINTS = sizeof joints / sizeof *joints };
+    law_picture ramp = law_new_picture("ramp", SPREAD + JOINTS * RUN + 4, 1, 1, false);
+    float *at = ramp.plane[0];
+    for (int i = 0; i < SPREAD; i++)
+        *at++ = (float)(i % 10 ? law_random_log(1e-7, 1e6) : -law_random_log(1e-7, 10));
+    for (int j = 0; j < JOINTS; j++) {
+        float value = joints[j];
+        for (int i = 0; i < RUN / 2; i++)
+            value = nextafterf(value, -1);
+        for (int i = 0; i < RUN; i++)
+            *at++ = value, value = nextafterf(value, 1e9f);
+    }
+    at[0] = -10;
+    at[1] = 0;
+    at[2] = -0.0f;
+    at[3] = 1e6f;
+    qsort(ramp.plane[0], law_pixels(&ramp), sizeof(float), compare_floats);
+    return ramp;
+}
+
+static void check_ascends(const law_variant *variant, const char *what, const double *values, size_t count,
+                          size_t expected) {
+    size_t falls = 0, first = 0;
+    for (size_t i = 1; i < count; i++)
+        if (!(values[i] >= values[i - 1]) && falls++ == 0) first = i;
+    CHECK(count == expected && falls == 0, "law 7: %s falls %zu times among %zu %s, first at %zu: %.9g to %.9g",
+          variant->words, falls, count, what, first, count ? values[first - (first > 0)] : 0,
+          count ? values[first] : 0);
+}
+
+static void test_monotone(void) {
+    static const char *const formats[] = {"png", "png --bits 16", "pfm"};
+    law_picture ramp = make_ramp();
+    size_t width = law_pixels(&ramp), count = 0;
+    double *values = malloc(width * sizeof *values);
+    for (int v = 0; v < law_variant_count; v++)
+        for (int f = 0; f < 3; f++) {
+            law_result result = law_run(&ramp, "%s then %s", law_variants[v].words, formats[f]);
+            float *floats = f == 2 ? law_read_pfm(&result, &count) : NULL;
+            uint16_t *codes = f == 2 ? NULL : law_read_png(&result, &count);
+            for (size_t i = 0; i < count && i < width; i++)
+                values[i] = floats ? (double)floats[i] : codes[i];
+            check_ascends(&law_variants[v], formats[f], values, count < width ? count : width, width);
+            free(floats);
+            free(codes);
+            free(result.bytes);
+        }
+    free(values);
+    law_free_picture(&ramp);
+}
+
+/* ---- What is skipped ---- */
+
+static void check_skipped(const law_picture *picture, const char *with, const char *verb, const char *without) {
+    char words[100];
+    snprintf(words, sizeof words, "(%s) skipped", verb);
+    for (int forced = 0; forced < 2; forced++) {
+        law_result a = law_run(picture, "%s then exr --explain%s", with, forced ? " --no-skip" : "");
+        law_result b = law_run(picture, "%s", without);
+        CHECK(a.status == HDR_OK && (strstr(a.said, words) == NULL) == forced, "%s on %s: %s should be %s:\n%s", with,
+              picture->name, verb, forced ? "done" : "skipped", a.said);
+        CHECK(law_same(&a, &b), "%s and %s on %s: not the same bytes", with, without, picture->name);
+        free(a.bytes);
+        free(b.bytes);
+    }
+}
+
+static void test_skips(void) {
+    law_picture one = law_new_picture("maximum 1", 30, 40, 3, false);
+    for (int p = 0; p < 3; p++)
+        for (size_t i = 0; i < law_pixels(&one); i++)
+            one.plane[p][i] = (float)law_random_log(1e-4, 1);
+    one.plane[1][700] = 1;
+    check_skipped(&one, "expose --ev 0", "expose", "exr");
+    check_skipped(&one, "divmax", "divmax", "exr");
+    check_skipped(&one, "divmax then clamp", "clamp", "exr");
+    one.plane[2][100] = 5;
+    check_skipped(&one, "divmax then clamp", "clamp", "divmax then exr");
+    check_skipped(&one, "divmax then divmax", "divmax", "divmax then exr");
+    law_free_picture(&one);
+    law_picture black = law_new_picture("black", 30, 40, 1, false);
+    check_skipped(&black, "divmax", "divmax", "exr");
+    check_skipped(&black, "expose --auto", "expose", "exr");
+    law_free_picture(&black);
+}
+
+#include "laws_registry.h"
+
+/* ---- All of it ---- */
+
+static void add_corpus(void) {
+    static const char *const small[] = {"torture/AllHalfValues.exr", "torture/BrightRingsNanInf.exr",
+                                        "torture/WideFloatRange.exr", "render/crop_test.exr", "windows/t08.exr"};
+    const char *folder = getenv("HDRPIPE_CORPUS");
+    char path[4096];
+    for (size_t i = 0; i < sizeof small / sizeof *small; i++) {
+        snprintf(path, sizeof path, "%s/%s", folder ? folder : "../shared/corpus", small[i]);
+        int before = law_picture_count;
+        law_add_files(path, true);
+        skipped += law_picture_count == before;
+    }
+}
+
+int main(int argc, char **argv) {
+    law_make_variants();
+    law_make_synthetic();
+    law_add_files("testdata/tiny/*.exr", false);
+    if (argc > 1 && !strcmp(argv[1], DIGESTS_WORD)) return print_digests();
+    CHECK(law_variant_count > 10, "only %d variants", law_variant_count);
+    test_registry();
+    test_curves();
+    test_levels();
+    test_skips();
+    test_monotone();
+    test_exposure();
+    add_corpus();
+    test_settings();
+    test_finite();
+    printf("%d variants of verbs, %d pictures; law 5: %lu of %lu codes change, by 1\n", law_variant_count,
+           law_picture_count, changed_codes, compared_codes);
+    for (int p = 0; p < law_picture_count; p++) {
+        free((char *)law_pictures[p].path);
+        law_free_picture(&law_pictures[p]);
+    }
+    printf("test_laws: %lu passed, %lu failed, %lu skipped\n", check_passed, check_failed, skipped);
+    return check_failed != 0;
+}

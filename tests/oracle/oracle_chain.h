@@ -1,0 +1,396 @@
+/* For the oracle: a chain's words become steps with all facts filled in; steps and a pixel give the expected codes. */
+#ifndef HDR_TESTS_ORACLE_CHAIN_H
+#define HDR_TESTS_ORACLE_CHAIN_H
+
+#include "oracle_picture.h"
+#include "oracle_real.h"
+
+#include <float.h>
+
+typedef enum oracle_verb {
+    ORACLE_DIVMAX,
+    ORACLE_CLAMP,
+    ORACLE_EXPOSE,
+    ORACLE_LOG,
+    ORACLE_EXP,
+    ORACLE_GAMMA,
+    ORACLE_SRGB,
+    ORACLE_QUANTISE,
+    ORACLE_CONVERT /* to Rec.709's primaries: no verb, but a step that encoding verbs bring along */
+} oracle_verb;
+
+typedef enum oracle_mode { ORACLE_SHIFTED, ORACLE_RANGE, ORACLE_LITERAL } oracle_mode;
+
+typedef struct oracle_step {
+    oracle_verb verb;
+    oracle_mode mode;
+    bool automatic, decode, per_channel, of_luminance;
+    oracle_number low, high, ev, k, saturation, exponent;
+    oracle_number percentile;
+    int bits;
+    /* facts about what comes in */
+    oracle_weights weights;
+    bool any_lit;
+    long double log_average, max_luminance, maximum, smallest_positive, low_luminance, high_luminance;
+    oracle_matrix matrix;
+} oracle_step;
+
+#define REAL long double
+#define OF(name) wide_##name
+#include "oracle_curve.h"
+#undef REAL
+#undef OF
+#define REAL exact
+#define OF(name) exact_##name
+#include "oracle_curve.h"
+#undef REAL
+#undef OF
+
+enum { ORACLE_STEPS = 16, ORACLE_WORD = 32 };
+
+typedef enum oracle_format { ORACLE_PNG, ORACLE_EXR, ORACLE_PFM, ORACLE_NO_FORMAT } oracle_format;
+typedef enum oracle_state { ORACLE_LINEAR, ORACLE_SRGB_ENCODED, ORACLE_GAMMA_ENCODED } oracle_state;
+
+typedef struct oracle_chain {
+    const oracle_picture *picture;
+    oracle_step steps[ORACLE_STEPS];
+    int count;
+    char words[8 * ORACLE_STEPS][ORACLE_WORD]; /* steps' numbers point here */
+    int word_count;
+    oracle_format format;
+    oracle_state state;
+    oracle_number encoded_by; /* gamma's exponent */
+    oracle_weights weights;   /* of the primaries that the pixels are in, after the steps so far */
+    bool keep_primaries, no_adaptation, data_window;
+    bool converted;
+    int bits;     /* of an explicit quantise; 0: none */
+    int png_bits; /* of the file's samples */
+    bool half;
+} oracle_chain;
+
+/* ---- Facts ---- */
+
+typedef struct oracle_facts {
+    uint64_t lit, negative, unlit_colour;
+    long double min[4], max[4]; /* per channel, [3] alpha */
+    long double max_component, smallest_positive;
+    long double min_luminance, max_luminance, min_lit, log_average;
+} oracle_facts;
+
+/* A pixel after the steps. */
+static void oracle_pixel(const oracle_chain *chain, int steps, size_t pixel, long double c[3]) {
+    long double nearest = 1;
+    wide_read(chain->picture, pixel, c);
+    wide_walk(chain->steps, steps, chain->picture->planes, c, &nearest);
+}
+
+/* Adds without losing what rounds off (Neumaier). */
+static void oracle_accumulate(long double *sum, long double *rest, long double value) {
+    long double total = *sum + value;
+    *rest += fabsl(*sum) >= fabsl(value) ? *sum - total + value : value - total + *sum;
+    *sum = total;
+}
+
+static void oracle_component_facts(oracle_facts *facts, int channel, bool first, long double value) {
+    if (first || value < facts->min[channel]) facts->min[channel] = value;
+    if (first || value > facts->max[channel]) facts->max[channel] = value;
+    if (channel == 3) return;
+    if ((first && channel == 0) || value > facts->max_component) facts->max_component = value;
+    if (value > 0 && (facts->smallest_positive == 0 || value < facts->smallest_positive))
+        facts->smallest_positive = value;
+    if (value < 0) facts->negative++;
+}
+
+/* Facts of what comes out of the steps so far, over the data window. */
+static oracle_facts oracle_take_facts(const oracle_chain *chain) {
+    const oracle_picture *picture = chain->picture;
+    oracle_facts facts = {0};
+    long double sum = 0, rest = 0;
+    for (size_t i = 0; i < picture->pixels; i++) {
+        long double c[3];
+        oracle_pixel(chain, chain->count, i, c);
+        bool positive = false;
+        for (int p = 0; p < picture->planes; p++) {
+            oracle_component_facts(&facts, p, i == 0, c[p]);
+            positive = positive || c[p] > 0;
+        }
+        if (picture->plane[3]) oracle_component_facts(&facts, 3, i == 0, picture->plane[3][i]);
+        long double y = wide_luminance(&chain->weights, picture->planes, c);
+        if (i == 0 || y < facts.min_luminance) facts.min_luminance = y;
+        if (i == 0 || y > facts.max_luminance) facts.max_luminance = y;
+        if (y > 0) {
+            if (facts.lit++ == 0 || y < facts.min_lit) facts.min_lit = y;
+            oracle_accumulate(&sum, &rest, logl(y));
+        } else if (positive) {
+            facts.unlit_colour++;
+        }
+    }
+    if (facts.lit) facts.log_average = expl((sum + rest) / (long double)facts.lit);
+    return facts;
+}
+
+typedef enum oracle_population { ORACLE_COMPONENTS, ORACLE_LUMINANCE, ORACLE_LIT } oracle_population;
+
+typedef struct oracle_values {
+    long double *value;
+    size_t count;
+    bool sorted;
+} oracle_values;
+
+/* What a percentile is taken of: components, or Y rounded to float32 (a lit pixel's to at least 2^-149). */
+static oracle_values oracle_collect(const oracle_chain *chain, oracle_population population) {
+    const oracle_picture *picture = chain->picture;
+    oracle_values values = {oracle_alloc(picture->pixels * 3, sizeof(long double)), 0, false};
+    for (size_t i = 0; i < picture->pixels; i++) {
+        long double c[3];
+        oracle_pixel(chain, chain->count, i, c);
+        for (int p = 0; population == ORACLE_COMPONENTS && p < picture->planes; p++)
+            values.value[values.count++] = c[p];
+        if (population == ORACLE_COMPONENTS) continue;
+        long double y = wide_luminance(&chain->weights, picture->planes, c);
+        if (y <= 0 && population == ORACLE_LIT) continue;
+        float rounded = (float)y;
+        values.value[values.count++] = y > 0 && rounded == 0 ? 0x1p-149L : rounded;
+    }
+    return values;
+}
+
+static int oracle_order(const void *a, const void *b) {
+    const long double *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+/* Nearest rank: max(1, ceil(P N / 100)), P = the decimal as typed (from_top: 100 - P), in whole numbers. */
+static long double oracle_percentile(oracle_values *values, const char *decimal, bool from_top) {
+    unsigned __int128 digits = 0, scale = 1;
+    bool fraction = false;
+    for (const char *c = decimal; *c; c++) {
+        if (*c == '.') {
+            fraction = true;
+            continue;
+        }
+        digits = digits * 10 + (unsigned)(*c - '0');
+        if (fraction) scale *= 10;
+    }
+    if (from_top) digits = 100 * scale - digits;
+    unsigned __int128 rank = (digits * values->count + 100 * scale - 1) / (100 * scale);
+    if (!values->count) return 0;
+    if (!values->sorted) qsort(values->value, values->count, sizeof *values->value, oracle_order);
+    values->sorted = true;
+    return values->value[rank ? (size_t)rank - 1 : 0];
+}
+
+/* ---- Words to steps ---- */
+
+static oracle_number oracle_parse_number(const char *word) {
+    return (oracle_number){word, strtold(word, NULL)};
+}
+
+static oracle_step oracle_default_step(oracle_verb verb) {
+    return (oracle_step){.verb = verb,
+                         .low = NUMBER(0.),
+                         .high = NUMBER(1.),
+                         .ev = NUMBER(0.),
+                         .saturation = NUMBER(1.),
+                         .exponent = NUMBER(2.2),
+                         .percentile = verb == ORACLE_DIVMAX ? NUMBER(100.) : NUMBER(0.1),
+                         .bits = 8};
+}
+
+static void oracle_parse_mode(oracle_step *step, const char *word) {
+    step->mode = !strcmp(word, "range") ? ORACLE_RANGE : !strcmp(word, "literal") ? ORACLE_LITERAL : ORACLE_SHIFTED;
+}
+
+/* One option; returns the number of words that it takes, 0 where it is unknown. */
+static int oracle_parse_option(oracle_chain *chain, oracle_step *step, const char *word, const char *value) {
+    static const struct {
+        const char *name;
+        size_t offset;
+    } numbers[] = {
+        {"--min", offsetof(oracle_step, low)},           {"--max", offsetof(oracle_step, high)},
+        {"--ev", offsetof(oracle_step, ev)},             {"--k", offsetof(oracle_step, k)},
+        {"--exponent", offsetof(oracle_step, exponent)}, {"--saturation", offsetof(oracle_step, saturation)},
+        {"-g", offsetof(oracle_step, exponent)},         {"--percentile", offsetof(oracle_step, percentile)},
+    };
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        if (strcmp(word, numbers[i].name) != 0) continue;
+        *(oracle_number *)((char *)step + numbers[i].offset) = oracle_parse_number(value);
+        return 2;
+    }
+    bool *const flag = !strcmp(word, "--auto")          ? &step->automatic
+                       : !strcmp(word, "--decode")      ? &step->decode
+                       : !strcmp(word, "--per-channel") ? &step->per_channel
+                                                        : NULL;
+    if (flag) *flag = true;
+    if (flag) return 1;
+    if (!strcmp(word, "--of")) step->of_luminance = !strcmp(value, "luminance");
+    else if (!strcmp(word, "--mode")) oracle_parse_mode(step, value);
+    else if (!strcmp(word, "--bits")) step->bits = atoi(value);
+    else if (!strcmp(word, "--type")) chain->half = !strcmp(value, "half");
+    else if (!strcmp(word, "--primaries")) chain->keep_primaries = !strcmp(value, "keep");
+    else if (!strcmp(word, "--adapt")) chain->no_adaptation = !strcmp(value, "none");
+    else if (!strcmp(word, "--window")) chain->data_window = !strcmp(value, "data");
+    else return 0;
+    return 2;
+}
+
+static void oracle_append(oracle_chain *chain, const oracle_step *step) {
+    if (chain->count == ORACLE_STEPS) abort();
+    chain->steps[chain->count] = *step;
+    chain->steps[chain->count++].weights = chain->weights;
+}
+
+/* The first encoding verb, or quantise, converts other primaries before it encodes. */
+static void oracle_convert_primaries(oracle_chain *chain) {
+    const oracle_picture *picture = chain->picture;
+    if (!picture->foreign || picture->planes == 1 || chain->keep_primaries || chain->converted) return;
+    oracle_step step = oracle_default_step(ORACLE_CONVERT);
+    oracle_conversion(picture, !chain->no_adaptation, step.matrix);
+    oracle_append(chain, &step);
+    chain->converted = true;
+    chain->weights = (oracle_weights){.rec709 = true};
+}
+
+static void oracle_fill_facts(oracle_chain *chain, oracle_step *step) {
+    bool range = step->verb == ORACLE_LOG && step->mode == ORACLE_RANGE;
+    bool percentile = step->verb == ORACLE_DIVMAX && step->percentile.value < 100;
+    bool wanted = step->verb == ORACLE_DIVMAX || step->verb == ORACLE_LOG || step->verb == ORACLE_EXP ||
+                  (step->verb == ORACLE_EXPOSE && step->automatic);
+    if (!wanted) return;
+    oracle_facts facts = oracle_take_facts(chain);
+    step->any_lit = facts.lit > 0;
+    step->log_average = facts.log_average;
+    step->max_luminance = facts.max_luminance;
+    step->smallest_positive = facts.smallest_positive;
+    step->maximum = step->of_luminance ? facts.max_luminance : facts.max_component;
+    if (!range && !percentile) return;
+    oracle_values values = oracle_collect(chain, range                ? ORACLE_LIT
+                                                 : step->of_luminance ? ORACLE_LUMINANCE
+                                                                      : ORACLE_COMPONENTS);
+    if (percentile) step->maximum = oracle_percentile(&values, step->percentile.text, false);
+    step->low_luminance = range ? oracle_percentile(&values, step->percentile.text, false) : 0;
+    step->high_luminance = range ? oracle_percentile(&values, step->percentile.text, true) : 0;
+    free(values.value);
+}
+
+static void oracle_add_step(oracle_chain *chain, oracle_step *step) {
+    bool encodes = (step->verb == ORACLE_GAMMA || step->verb == ORACLE_SRGB) && !step->decode;
+    if (encodes || step->verb == ORACLE_QUANTISE) oracle_convert_primaries(chain);
+    oracle_fill_facts(chain, step);
+    oracle_append(chain, step);
+    if (step->verb == ORACLE_GAMMA || step->verb == ORACLE_SRGB)
+        chain->state = step->decode                ? ORACLE_LINEAR
+                       : step->verb == ORACLE_SRGB ? ORACLE_SRGB_ENCODED
+                                                   : ORACLE_GAMMA_ENCODED;
+    if (encodes) chain->encoded_by = step->exponent;
+    if (step->verb == ORACLE_QUANTISE) chain->bits = step->bits;
+}
+
+/* What png adds: srgb where the chain has neither encoded nor quantised; in any case codes of the file's depth. */
+static void oracle_add_png(oracle_chain *chain, int bits) {
+    if (chain->state == ORACLE_LINEAR && !chain->bits) {
+        oracle_step srgb = oracle_default_step(ORACLE_SRGB);
+        oracle_add_step(chain, &srgb);
+    }
+    oracle_convert_primaries(chain);
+    chain->png_bits = !chain->bits ? bits : chain->bits <= 8 ? 8 : 16;
+    oracle_step codes = oracle_default_step(ORACLE_QUANTISE);
+    codes.bits = chain->png_bits;
+    oracle_append(chain, &codes);
+}
+
+static bool oracle_add_clause(oracle_chain *chain, const char *verb, oracle_step *step) {
+    static const char *const verbs[] = {"divmax", "clamp", "expose", "log", "exp", "gamma", "srgb", "quantise"};
+    static const char *const formats[] = {"png", "exr", "pfm"};
+    for (size_t i = 0; i < sizeof verbs / sizeof verbs[0]; i++) {
+        if (strcmp(verb, verbs[i]) != 0) continue;
+        step->verb = (oracle_verb)i;
+        oracle_add_step(chain, step);
+        return true;
+    }
+    for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++) {
+        if (strcmp(verb, formats[i]) != 0) continue;
+        chain->format = (oracle_format)i;
+        if (chain->format == ORACLE_PNG) oracle_add_png(chain, step->bits);
+        return true;
+    }
+    return false;
+}
+
+/* Makes the steps of a chain given as one line of words. False: words that the oracle does not know. */
+static bool oracle_prepare(oracle_chain *chain, const oracle_picture *picture, const char *text) {
+    *chain = (oracle_chain){.picture = picture, .format = ORACLE_NO_FORMAT, .weights = oracle_weights_of(picture)};
+    for (int length; sscanf(text, "%31s%n", chain->words[chain->word_count], &length) == 1; text += length)
+        if (++chain->word_count == 8 * ORACLE_STEPS) return false;
+    for (int w = 0; w < chain->word_count; w++) {
+        const char *verb = chain->words[w++];
+        oracle_step step = oracle_default_step(!strcmp(verb, "divmax") ? ORACLE_DIVMAX : ORACLE_LOG);
+        while (w < chain->word_count && strcmp(chain->words[w], "then") != 0) {
+            int taken = oracle_parse_option(chain, &step, chain->words[w], chain->words[w + 1]);
+            if (!taken) return false;
+            w += taken;
+        }
+        if (!oracle_add_clause(chain, verb, &step)) return false;
+    }
+    return true;
+}
+
+/* ---- Expected codes ---- */
+
+static const long double oracle_doubt = 1e-6L;  /* nearer to a boundary than this, in codes: exact numbers decide */
+static const long double oracle_excuse = 1e-9L; /* nearer than this: SPEC excuses either code */
+
+typedef struct oracle_codes {
+    long code[3];
+    bool excused[3]; /* code differs by 1 without fault */
+    bool void_pixel; /* a quantise inside the chain is excused: nothing can be said */
+} oracle_codes;
+
+/* True where the arithmetic is exact in binary up to the first rounding to codes, and all that follows rounds these codes
+ * again: then not even a boundary met exactly is an excuse. */
+static bool oracle_all_exact(const oracle_chain *chain) {
+    bool coded = false;
+    for (int s = 0; s < chain->count; s++) {
+        const oracle_step *step = &chain->steps[s];
+        bool whole = step->verb == ORACLE_EXPOSE && !step->automatic && step->ev.value == rintl(step->ev.value);
+        bool ends = step->verb == ORACLE_CLAMP && step->low.value == 0 && step->high.value == 1;
+        coded = coded || step->verb == ORACLE_QUANTISE;
+        if (step->verb != ORACLE_QUANTISE && (coded || !(whole || ends))) return false;
+    }
+    return !chain->picture->plane[3];
+}
+
+static oracle_codes oracle_exact_codes(const oracle_chain *chain, size_t pixel) {
+    oracle_codes codes = {0};
+    int planes = chain->picture->planes, last = chain->count - 1;
+    long double nearest = 1;
+    exact c[3];
+    exact_empty();
+    exact_read(chain->picture, pixel, c);
+    exact_walk(chain->steps, last, planes, c, &nearest);
+    bool all_exact = oracle_all_exact(chain);
+    codes.void_pixel = nearest < oracle_excuse && !(nearest == 0 && all_exact);
+    for (int p = 0; p < planes; p++) {
+        long double distance;
+        codes.code[p] = exact_code(c[p], chain->png_bits, &distance);
+        codes.excused[p] = distance < oracle_excuse && !(distance == 0 && all_exact);
+    }
+    return codes;
+}
+
+/* The codes of the PNG's samples of a pixel. */
+static inline oracle_codes oracle_expect(const oracle_chain *chain, size_t pixel) {
+    oracle_codes codes = {0};
+    int planes = chain->picture->planes, last = chain->count - 1;
+    long double nearest = 1, c[3];
+    wide_read(chain->picture, pixel, c);
+    wide_walk(chain->steps, last, planes, c, &nearest);
+    for (int p = 0; p < planes; p++) {
+        long double distance;
+        codes.code[p] = wide_code(c[p], chain->png_bits, &distance);
+        if (distance < nearest) nearest = distance;
+    }
+    return nearest < oracle_doubt ? oracle_exact_codes(chain, pixel) : codes;
+}
+
+#endif

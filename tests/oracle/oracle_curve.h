@@ -1,0 +1,196 @@
+/* For the oracle: SPEC's formulas, each written once. Included twice by oracle_chain.h, with REAL the kind of number and
+ * OF(name) its operations: no guard. A step's facts are wide numbers in either case: they are 10^8 times closer to the real
+ * ones than the 1e-9 of a code that SPEC excuses. */
+
+/* Y = 0.2126 R + 0.7152 G + 0.0722 B, or the Y row of the file's own primaries. Over 10000, so that R = G = B = Y exactly. */
+static REAL OF(luminance)(const oracle_weights *weights, int planes, const REAL c[3]) {
+    static const oracle_number rec709[3] = {{"2126", 2126}, {"7152", 7152}, {"722", 722}};
+    if (planes == 1) return c[0];
+    REAL sum = OF(from)(0);
+    for (int i = 0; i < 3; i++) {
+        REAL weight = weights->rec709 ? OF(number)(rec709[i]) : OF(from)(weights->row[i]);
+        sum = OF(add)(sum, OF(multiply)(weight, c[i]));
+    }
+    return weights->rec709 ? OF(divide)(sum, OF(number)(NUMBER(10000.))) : sum;
+}
+
+static REAL OF(larger)(REAL a, REAL b) {
+    return OF(compare)(a, b) >= 0 ? a : b;
+}
+
+static REAL OF(smaller)(REAL a, REAL b) {
+    return OF(compare)(a, b) <= 0 ? a : b;
+}
+
+static bool OF(positive)(REAL a) {
+    return OF(compare)(a, OF(from)(0)) > 0;
+}
+
+static REAL OF(within)(REAL value, long double low, long double high) {
+    return OF(smaller)(OF(larger)(value, OF(from)(low)), OF(from)(high));
+}
+
+/* k as typed, or 1/Yavg. */
+static REAL OF(factor)(const oracle_step *step) {
+    if (step->k.text) return OF(number)(step->k);
+    return OF(divide)(OF(from)(1), OF(from)(step->log_average));
+}
+
+/* log: Ld = ln(1 + kY) / ln(1 + k Ymax). */
+static REAL OF(log_shifted)(const oracle_step *step, REAL y) {
+    REAL k = OF(factor)(step);
+    REAL whole = OF(ln_one_plus)(OF(multiply)(k, OF(from)(step->max_luminance)));
+    return OF(divide)(OF(ln_one_plus)(OF(multiply)(k, y)), whole);
+}
+
+/* log --mode range: Ld = (log10 Y - lo) / (hi - lo), clamped to [0,1]; hi = lo: 1 where log10 Y >= lo, else 0. */
+static REAL OF(log_range)(const oracle_step *step, REAL y) {
+    REAL low_luminance = OF(from)(step->low_luminance);
+    if (step->low_luminance == step->high_luminance) return OF(from)(OF(compare)(y, low_luminance) >= 0);
+    REAL low = OF(log10)(low_luminance), high = OF(log10)(OF(from)(step->high_luminance));
+    return OF(within)(OF(divide)(OF(subtract)(OF(log10)(y), low), OF(subtract)(high, low)), 0, 1);
+}
+
+/* exp: Ld = 1 - exp(-kY). */
+static REAL OF(exponential)(const oracle_step *step, REAL y) {
+    REAL exponent = OF(subtract)(OF(from)(0), OF(multiply)(OF(factor)(step), y));
+    return OF(subtract)(OF(from)(0), OF(exp_minus_one)(exponent));
+}
+
+static REAL OF(tone_curve)(const oracle_step *step, REAL y) {
+    if (step->verb == ORACLE_EXP) return OF(exponential)(step, y);
+    return step->mode == ORACLE_RANGE ? OF(log_range)(step, y) : OF(log_shifted)(step, y);
+}
+
+/* C' = C (Ld/Y), or max(C/Y, 0)^s Ld with 0^0 = 1 (which powl and mpfr_pow both say). */
+static void OF(keep_chromaticity)(const oracle_step *step, int planes, REAL y, REAL c[3]) {
+    REAL display = OF(tone_curve)(step, y);
+    for (int i = 0; i < planes; i++) {
+        REAL ratio = OF(divide)(c[i], y);
+        if (step->saturation.value != 1)
+            ratio = OF(power)(OF(larger)(ratio, OF(from)(0)), OF(number)(step->saturation));
+        c[i] = OF(multiply)(ratio, display);
+    }
+}
+
+static void OF(tone_map)(const oracle_step *step, int planes, REAL c[3]) {
+    REAL zero = OF(from)(0);
+    if (step->per_channel && step->any_lit) {
+        for (int i = 0; i < planes; i++)
+            c[i] = OF(positive)(c[i]) ? OF(tone_curve)(step, c[i]) : zero;
+        return;
+    }
+    REAL y = OF(luminance)(&step->weights, planes, c);
+    if (step->any_lit && OF(positive)(y)) {
+        OF(keep_chromaticity)(step, planes, y, c);
+        return;
+    }
+    for (int i = 0; i < planes; i++)
+        c[i] = zero;
+}
+
+/* log --mode literal: ln C, C floored at the smallest positive component; no positive component: 0. */
+static REAL OF(log_literal)(const oracle_step *step, REAL c) {
+    if (!(step->smallest_positive > 0)) return OF(from)(0);
+    return OF(ln)(OF(larger)(c, OF(from)(step->smallest_positive)));
+}
+
+/* expose: C 2^ev; --auto: ev = log2(0.18 / Yavg); nothing lit: as it is. */
+static REAL OF(expose)(const oracle_step *step, REAL c) {
+    if (!step->automatic) return OF(multiply)(c, OF(exp2)(OF(number)(step->ev)));
+    if (!step->any_lit) return c;
+    return OF(multiply)(c, OF(divide)(OF(number)(NUMBER(0.18)), OF(from)(step->log_average)));
+}
+
+/* gamma: max(C,0)^(1/g), --decode: max(C,0)^g. */
+static REAL OF(gamma)(const oracle_step *step, REAL c) {
+    REAL exponent = OF(number)(step->exponent);
+    if (!step->decode) exponent = OF(divide)(OF(from)(1), exponent);
+    return OF(power)(OF(larger)(c, OF(from)(0)), exponent);
+}
+
+/* IEC 61966-2-1: 12.92 C up to 0.0031308, 1.055 C^(1/2.4) - 0.055 above. */
+static REAL OF(srgb_encode)(REAL c) {
+    if (OF(compare)(c, OF(number)(NUMBER(0.0031308))) <= 0) return OF(multiply)(OF(number)(NUMBER(12.92)), c);
+    REAL power = OF(power)(c, OF(divide)(OF(from)(1), OF(number)(NUMBER(2.4))));
+    return OF(subtract)(OF(multiply)(OF(number)(NUMBER(1.055)), power), OF(number)(NUMBER(0.055)));
+}
+
+/* IEC 61966-2-1: C / 12.92 up to 0.04045, ((C + 0.055) / 1.055)^2.4 above. */
+static REAL OF(srgb_decode)(REAL c) {
+    if (OF(compare)(c, OF(number)(NUMBER(0.04045))) <= 0) return OF(divide)(c, OF(number)(NUMBER(12.92)));
+    REAL base = OF(divide)(OF(add)(c, OF(number)(NUMBER(0.055))), OF(number)(NUMBER(1.055)));
+    return OF(power)(base, OF(number)(NUMBER(2.4)));
+}
+
+/* quantise: code = floor(v (2^b - 1) + 1/2), v clamped to [0,1]. Tells how far v lies from the boundary between two codes,
+ * in codes. */
+static long OF(code)(REAL value, int bits, long double *distance) {
+    REAL largest = OF(from)((long double)((1L << bits) - 1));
+    REAL shifted = OF(add)(OF(multiply)(OF(within)(value, 0, 1), largest), OF(from)(0.5L));
+    REAL floored = OF(floor)(shifted);
+    long double above = OF(to)(OF(subtract)(shifted, floored));
+    *distance = above < 0.5L ? above : 1 - above;
+    return (long)OF(to)(floored);
+}
+
+static REAL OF(quantise)(REAL value, int bits, long double *distance) {
+    long code = OF(code)(value, bits, distance);
+    return OF(divide)(OF(from)((long double)code), OF(from)((long double)((1L << bits) - 1)));
+}
+
+static void OF(convert)(const oracle_step *step, REAL c[3]) {
+    REAL from[3] = {c[0], c[1], c[2]};
+    for (int i = 0; i < 3; i++) {
+        c[i] = OF(from)(0);
+        for (int j = 0; j < 3; j++)
+            c[i] = OF(add)(c[i], OF(multiply)(OF(from)(step->matrix[i][j]), from[j]));
+    }
+}
+
+/* Steps whose formula sees one component at a time. */
+static REAL OF(component)(const oracle_step *step, REAL c, long double *distance) {
+    switch (step->verb) {
+    case ORACLE_DIVMAX:
+        return step->maximum > 0 ? OF(divide)(c, OF(from)(step->maximum)) : c;
+    case ORACLE_CLAMP:
+        return OF(smaller)(OF(larger)(c, OF(number)(step->low)), OF(number)(step->high));
+    case ORACLE_EXPOSE:
+        return OF(expose)(step, c);
+    case ORACLE_GAMMA:
+        return OF(gamma)(step, c);
+    case ORACLE_SRGB:
+        return step->decode ? OF(srgb_decode)(c) : OF(srgb_encode)(c);
+    case ORACLE_QUANTISE:
+        return OF(quantise)(c, step->bits, distance);
+    default:
+        return OF(log_literal)(step, c);
+    }
+}
+
+/* Takes a pixel through steps. Lowers *nearest to the distance of the boundary that a quantise among them came nearest to. */
+static void OF(walk)(const oracle_step *steps, int count, int planes, REAL c[3], long double *nearest) {
+    for (int s = 0; s < count; s++) {
+        const oracle_step *step = &steps[s];
+        bool tone = step->verb == ORACLE_EXP || (step->verb == ORACLE_LOG && step->mode != ORACLE_LITERAL);
+        if (tone)
+            OF(tone_map)(step, planes, c);
+        else if (step->verb == ORACLE_CONVERT)
+            OF(convert)(step, c);
+        for (int i = 0; i < planes; i++) {
+            long double distance = 1;
+            if (!tone && step->verb != ORACLE_CONVERT) c[i] = OF(component)(step, c[i], &distance);
+            if (distance < *nearest) *nearest = distance;
+            c[i] = OF(within)(c[i], -(long double)FLT_MAX, FLT_MAX); /* beyond float: held at the largest float */
+        }
+    }
+}
+
+/* A pixel as it is read: straight colour, divided by alpha where that is above 0. */
+static void OF(read)(const oracle_picture *picture, size_t pixel, REAL c[3]) {
+    float alpha = picture->plane[3] ? picture->plane[3][pixel] : 1;
+    for (int i = 0; i < picture->planes; i++) {
+        c[i] = OF(from)(picture->plane[i][pixel]);
+        if (alpha > 0 && alpha != 1) c[i] = OF(divide)(c[i], OF(from)(alpha));
+    }
+}
