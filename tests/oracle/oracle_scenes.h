@@ -24,7 +24,7 @@ static const exr_attr_chromaticities_t scene_xyz = {1, 0, 0, 1, 0, 0, 1 / 3.0f, 
 /* Rec.709's to within 1e-5, so that nothing is converted. */
 static const exr_attr_chromaticities_t scene_rec709 = {0.640005f, 0.33f, 0.3f,    0.599995f,
                                                        0.15f,     0.06f, 0.3127f, 0.329f};
-static const exr_attr_v2f_t scene_neutral = {0.3457f, 0.3585f};
+static const exr_attr_v2f_t scene_neutral = {{{0.3457f, 0.3585f}}};
 
 #define FRAME(left, top, right, bottom) {{.x = (left), .y = (top)}, {.x = (right), .y = (bottom)}}
 
