@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 enum { KEPT_EMPTY, KEPT_FILLING, KEPT_WHOLE };
 
@@ -36,6 +37,10 @@ hdr_status hdr_run_open(hdr_run *run, const hdr_chain *chain, hdr_input *input, 
     for (int c = 0; c < 4; c++)
         if (picture->present[c])
             run->kept_row += hdr_type_size(picture->channels[c].type) * (size_t)hdr_window_width(&picture->data);
+    hdr_say(listener, HDR_DETAIL, "%s: %lld x %lld, %s, %s, %d threads, %s kernels, %.0f MB of memory",
+            hdr_input_name(input), (long long)hdr_window_width(&picture->data),
+            (long long)hdr_window_height(&picture->data), picture->storage, picture->compression, run->thread_count,
+            hdr_cpu_name(hdr_cpu()), (double)run->settings.memory * 1e-6);
     return open_threads(run, err);
 }
 
@@ -283,9 +288,16 @@ static bool learn(hdr_run *run, const hdr_watch *met) {
     return raw->grey != before.grey || raw->opaque != before.opaque;
 }
 
+static double milliseconds(void) {
+    struct timespec now = {0};
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
+}
+
 hdr_status hdr_run_sweep(hdr_run *run, const hdr_sweep *sweep, hdr_error *err) {
     hdr_raw *raw = &run->raw;
     for (;;) {
+        double started = milliseconds();
         int items = 0;
         for (int t = 0; t < run->thread_count; t++)
             run->threads[t].watch = (hdr_watch){0};
@@ -308,6 +320,7 @@ hdr_status hdr_run_sweep(hdr_run *run, const hdr_sweep *sweep, hdr_error *err) {
             continue;
         }
         run->sweeps++;
+        hdr_say(run->listener, HDR_DETAIL, "sweep %d: %d bands, %.1f ms", run->sweeps, items, milliseconds() - started);
         if (raw->certain) return HDR_OK;
         bool changed = learn(run, &met);
         raw->certain = true;
