@@ -1,6 +1,8 @@
 /* The sweep that writes: from a block to packed bytes on one thread, while its lines are warm. */
 #include "chain/run.h"
 
+#include "picture/colour.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -298,7 +300,9 @@ hdr_status hdr_run_write(hdr_run *run, const hdr_verb *format, const void *param
     w.frame.bits = bits ? bits : sample_bits;
     w.frame.state = state;
     if (!strncmp(state, "gamma ", 6)) w.frame.gamma = strtod(state + 6, NULL);
-    w.frame.has_chromaticities = picture->has_chromaticities && !converted;
+    /* codes of Rec.709's primaries, or of none, need no more than sRGB's or gamma's own chunks */
+    bool foreign = picture->planes == 3 && hdr_chromaticities_differ(&picture->chromaticities, &hdr_rec709);
+    w.frame.has_chromaticities = picture->has_chromaticities && !converted && (foreign || !format->format->codes);
     w.frame.chromaticities = picture->chromaticities;
     w.may_be_grey = format->format->codes && !converted;
     w.tail = hdr_steps_tail(run->steps, run->step_count);

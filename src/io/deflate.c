@@ -12,11 +12,12 @@ struct hdr_deflater {
     uint8_t table[];
 };
 
-/* ISA-L 2.30's assembly for levels 1 and 2 (isal_deflate_icf_body_hash_hist) goes wrong on the first byte of data without history:
- * as the hash of the bytes at position 2 it takes one of the stream object's address, so that which matches are found, and with
- * them the output, vary from run to run. Its other routine, for the last bytes before a flush, has no such fault, and does the
- * whole of a piece that is shorter than 16 bytes. So a few bytes go in first, and are flushed with the history kept. It costs some
- * seven bytes. At least 4 are needed for the routine to begin the history. */
+/* ISA-L 2.30's assembly for levels 1 and 2 (isal_deflate_icf_body_hash_hist) goes wrong on the first byte of data
+ * without history: as the hash of the bytes at position 2 it takes one of the stream object's address, so that which
+ * matches are found, and with them the output, vary from run to run. Its other routine, for the last bytes before a
+ * flush, has no such fault, and does the whole of a piece that is shorter than 16 bytes. So a few bytes go in first,
+ * and are flushed with the history kept. It costs some seven bytes. At least 4 are needed for the routine to begin the
+ * history. */
 enum { FIRST_BYTES = 8, SHORT_PIECE = 15 };
 
 hdr_deflater *hdr_deflater_new(int level) {
@@ -54,21 +55,20 @@ static bool deflate_piece(struct isal_zstream *stream, const uint8_t *data, uint
     stream->avail_in = size;
     stream->flush = (uint16_t)flush;
     stream->end_of_stream = last;
-    if (isal_deflate(stream) != COMP_OK || stream->avail_in != 0)
-        return false;
+    if (isal_deflate(stream) != COMP_OK || stream->avail_in != 0) return false;
     return last ? stream->internal_state.state == ZSTATE_END : stream->avail_out > 0;
 }
 
-size_t hdr_deflate(hdr_deflater *deflater, hdr_deflate_form form, const void *data, size_t size, void *out, size_t room) {
+size_t hdr_deflate(hdr_deflater *deflater, hdr_deflate_form form, const void *data, size_t size, void *out,
+                   size_t room) {
     struct isal_zstream *stream = &deflater->stream;
     uint32_t first = size > SHORT_PIECE ? FIRST_BYTES : 0;
-    if (size > UINT32_MAX)
-        return 0;
+    if (size > UINT32_MAX) return 0;
     begin_stream(deflater, form, out, room < UINT32_MAX ? (uint32_t)room : UINT32_MAX);
-    if (first > 0 && !deflate_piece(stream, data, first, SYNC_FLUSH, false))
-        return 0;
+    if (first > 0 && !deflate_piece(stream, data, first, SYNC_FLUSH, false)) return 0;
     bool last = form != HDR_DEFLATE_PART;
-    if (!deflate_piece(stream, (const uint8_t *)data + first, (uint32_t)size - first, last ? NO_FLUSH : FULL_FLUSH, last))
+    if (!deflate_piece(stream, (const uint8_t *)data + first, (uint32_t)size - first, last ? NO_FLUSH : FULL_FLUSH,
+                       last))
         return 0;
     return (size_t)(stream->next_out - (uint8_t *)out);
 }

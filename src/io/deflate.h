@@ -19,8 +19,9 @@ typedef enum hdr_deflate_form {
 /* Room in which any data of that size fits. */
 size_t hdr_deflate_bound(size_t size);
 
-/* Returns the number of bytes written to out, or 0 if room is not enough (or size is beyond 32 bits). The bytes may depend
- * on room as well as on the data. */
-size_t hdr_deflate(hdr_deflater *deflater, hdr_deflate_form form, const void *data, size_t size, void *out, size_t room);
+/* Returns the number of bytes written to out, or 0 if room is not enough (or size is beyond 32 bits). The bytes may
+ * depend on room as well as on the data. */
+size_t hdr_deflate(hdr_deflater *deflater, hdr_deflate_form form, const void *data, size_t size, void *out,
+                   size_t room);
 
 #endif

@@ -2,11 +2,10 @@
  * it, ready to be written in order. ZIP and ZIPS are compressed here, with the predictor taken straight from the
  * samples and ISA-L; the other compressions by the library's encoding pipeline, of which only the compressing
  * stage is left. */
+#include "io/deflate.h"
 #include "io/sink.h"
-
 #include "kernel/predict_encode.h"
 
-#include <isa-l/igzip_lib.h>
 #include <openexr.h>
 #include <stdlib.h>
 #include <string.h>
@@ -51,8 +50,7 @@ typedef struct exr_packer {
     unsigned char *raw;      /* one chunk's bytes as an uncompressed file has them, or after the predictor */
     unsigned char *squeezed; /* what the library makes of raw */
     size_t raw_room, squeezed_room;
-    struct isal_zstream deflate;
-    unsigned char *deflate_level; /* the buffer that ISA-L wants for its level */
+    hdr_deflater *deflater;
     exr_encode_pipeline_t encode;
     bool encode_ready;
 } exr_packer;
@@ -206,20 +204,8 @@ static void pack_predicted(const hdr_frame *frame, const unsigned char *samples,
 static size_t deflate_chunk(exr_packer *packer, const hdr_frame *frame, const unsigned char *samples, int rows,
                             unsigned char *out) {
     size_t size = hdr_frame_row_bytes(frame) * (size_t)rows;
-    struct isal_zstream *stream = &packer->deflate;
     pack_predicted(frame, samples, rows, packer->raw);
-    isal_deflate_init(stream);
-    stream->level = ZIP_LEVEL;
-    stream->level_buf = packer->deflate_level;
-    stream->level_buf_size = ISAL_DEF_LVL2_DEFAULT;
-    stream->gzip_flag = IGZIP_ZLIB;
-    stream->end_of_stream = 1;
-    stream->next_in = packer->raw;
-    stream->avail_in = (uint32_t)size;
-    stream->next_out = out;
-    stream->avail_out = (uint32_t)size - 1;
-    if (isal_deflate(stream) != COMP_OK || stream->internal_state.state != ZSTATE_END) return 0;
-    return (size_t)(stream->next_out - out);
+    return hdr_deflate(packer->deflater, HDR_DEFLATE_ZLIB, packer->raw, size, out, size - 1);
 }
 
 /* The pipeline's packing stage, called under the context's lock, finds the work done. */
@@ -345,7 +331,7 @@ static void exr_packer_free(hdr_sink *sink, void *packer) {
         band->encode.packed_buffer = band->encode.compressed_buffer = NULL;
         (void)exr_encoding_destroy(self->context, &band->encode); /* frees the library's scratch memory */
     }
-    free(band->deflate_level);
+    hdr_deflater_free(band->deflater);
     free(band->chunks);
     free(band->packed);
     free(band->raw);
@@ -355,8 +341,8 @@ static void exr_packer_free(hdr_sink *sink, void *packer) {
 
 static hdr_status exr_packer_new(hdr_sink *sink, void **packer, hdr_error *err) {
     exr_packer *band = hdr_alloc(1, sizeof *band);
-    if (band) band->deflate_level = hdr_alloc(1, ISAL_DEF_LVL2_DEFAULT);
-    if (!band || !band->deflate_level) {
+    if (band) band->deflater = hdr_deflater_new(ZIP_LEVEL);
+    if (!band || !band->deflater) {
         exr_packer_free(sink, band);
         return out_of_memory(sink, err);
     }

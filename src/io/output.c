@@ -229,7 +229,7 @@ static char *follow_links(const char *path) {
     return NULL;
 }
 
-/* ".base.XXXXXX" beside the target, with a random end. NULL with errno set. */
+/* The target's name between a dot and a random number, in the same directory. NULL with errno set. */
 static char *temporary_name(const char *target) {
     uint64_t random;
     if (getrandom(&random, sizeof random, 0) != (ssize_t)sizeof random) return NULL;

@@ -1,11 +1,10 @@
 /* The PNG sink. libpng writes what stands around the pixels; the pixels' own chunks are made here: each band of rows is
  * filtered and deflated by itself, on the thread that computed it, ends with a full flush, and becomes one IDAT chunk,
  * so that the bands joined are one zlib stream. The bytes depend on where the bands begin and end, not on threads. */
+#include "io/deflate.h"
 #include "io/sink.h"
-
 #include "kernel/pngfilter.h"
 
-#include <isa-l/igzip_lib.h>
 #include <libdeflate.h>
 #include <math.h>
 #include <png.h>
@@ -21,8 +20,7 @@ enum {
     DEFLATE_LEVEL = 1
 };
 
-static const uint32_t adler_base = 65521;            /* the largest prime below 2^16 (RFC 1950) */
-static const size_t deflate_piece = (size_t)1 << 30; /* ISA-L counts in 32 bits */
+static const uint32_t adler_base = 65521; /* the largest prime below 2^16 (RFC 1950) */
 
 typedef struct png_sink {
     hdr_sink sink; /* first, so that the one pointer is the other */
@@ -36,8 +34,7 @@ typedef struct png_sink {
 
 /* One band: chunk head, zlib head (first band), deflated rows; deliver adds the Adler sum (last band) and the CRC. */
 typedef struct png_packer {
-    struct isal_zstream stream;
-    uint8_t *level_buffer;
+    hdr_deflater *deflater;
     uint8_t *filtered, *packed;
     size_t filtered_room, packed_room;
     size_t filtered_size, packed_size;
@@ -202,8 +199,8 @@ static hdr_status png_end(hdr_sink *sink, hdr_error *err) {
 
 static hdr_status png_packer_new(hdr_sink *sink, void **packer, hdr_error *err) {
     png_packer *self = hdr_alloc(1, sizeof *self);
-    if (self) self->level_buffer = hdr_alloc(1, ISAL_DEF_LVL1_DEFAULT);
-    if (!self || !self->level_buffer) {
+    if (self) self->deflater = hdr_deflater_new(DEFLATE_LEVEL);
+    if (!self || !self->deflater) {
         free(self);
         return hdr_fail(err, HDR_INTERNAL, "%s: out of memory", hdr_output_name(sink->output));
     }
@@ -215,7 +212,7 @@ static void png_packer_free(hdr_sink *sink, void *packer) {
     png_packer *self = packer;
     (void)sink;
     if (!self) return;
-    free(self->level_buffer);
+    hdr_deflater_free(self->deflater);
     free(self->filtered);
     free(self->packed);
     free(self);
@@ -249,38 +246,16 @@ static hdr_status filter_band(const hdr_sink *sink, png_packer *packer, int rows
     return HDR_OK;
 }
 
-/* Room for a deflated band, enough for data that cannot be compressed. A function of the size alone, since ISA-L's
- * output may depend on the room that it is offered. */
-static size_t deflate_room(size_t size) {
-    return size + size / 8 + 4096;
-}
-
-/* Deflates the filtered band behind what stands in packed. */
+/* Deflates the filtered band behind what stands in packed. The room is a function of the size alone, as the bytes may
+ * depend on it. */
 static hdr_status deflate_band(const hdr_sink *sink, png_packer *packer, hdr_error *err) {
-    struct isal_zstream *stream = &packer->stream;
-    size_t left = packer->filtered_size, room = packer->packed_size + deflate_room(left);
-    isal_deflate_init(stream);
-    stream->level = DEFLATE_LEVEL;
-    stream->level_buf = packer->level_buffer;
-    stream->level_buf_size = ISAL_DEF_LVL1_DEFAULT;
-    stream->next_in = packer->filtered;
-    do {
-        if (stream->avail_in == 0) {
-            stream->avail_in = (uint32_t)(left < deflate_piece ? left : deflate_piece);
-            left -= stream->avail_in;
-            stream->flush = left == 0 ? FULL_FLUSH : NO_FLUSH;
-            stream->end_of_stream = left == 0 && packer->last;
-        }
-        if (room - packer->packed_size < deflate_room(0)) room += deflate_room(packer->filtered_size);
-        if (make_room(sink, &packer->packed, &packer->packed_room, room + ADLER_BYTES + CHUNK_TAIL, err) != HDR_OK)
-            return HDR_INTERNAL;
-        size_t offered = room - packer->packed_size;
-        stream->next_out = packer->packed + packer->packed_size;
-        stream->avail_out = (uint32_t)(offered < deflate_piece ? offered : deflate_piece);
-        if (isal_deflate(stream) != COMP_OK)
-            return hdr_fail(err, HDR_INTERNAL, "%s: deflate failed", hdr_output_name(sink->output));
-        packer->packed_size = (size_t)(stream->next_out - packer->packed);
-    } while (left > 0 || stream->avail_in > 0 || stream->avail_out == 0);
+    size_t room = hdr_deflate_bound(packer->filtered_size);
+    hdr_deflate_form form = packer->last ? HDR_DEFLATE_LAST : HDR_DEFLATE_PART;
+    size_t size = hdr_deflate(packer->deflater, form, packer->filtered, packer->filtered_size,
+                              packer->packed + packer->packed_size, room);
+    packer->packed_size += size;
+    if (size == 0 || packer->packed_size - CHUNK_HEAD > PNG_UINT_31_MAX - ADLER_BYTES)
+        return hdr_fail(err, HDR_BAD_DATA, "%s: rows are too wide for PNG", hdr_output_name(sink->output));
     return HDR_OK;
 }
 
@@ -290,13 +265,11 @@ static hdr_status png_pack(hdr_sink *sink, void *packer, int first_row, int rows
     if (status != HDR_OK) return status;
     self->last = rows == sink->frame.height - first_row;
     self->packed_size = CHUNK_HEAD + (first_row == 0 ? ZLIB_HEAD : 0);
-    if ((status = make_room(sink, &self->packed, &self->packed_room, CHUNK_HEAD + ZLIB_HEAD, err)) != HDR_OK)
-        return status;
+    size_t room = CHUNK_HEAD + ZLIB_HEAD + hdr_deflate_bound(self->filtered_size) + ADLER_BYTES + CHUNK_TAIL;
+    if ((status = make_room(sink, &self->packed, &self->packed_room, room, err)) != HDR_OK) return status;
     memcpy(self->packed + 4, "IDAT", 4);
     memcpy(self->packed + CHUNK_HEAD, "\x78\x01", ZLIB_HEAD); /* 32 KiB window, fastest; in later bands overwritten */
     if ((status = deflate_band(sink, self, err)) != HDR_OK) return status;
-    if (self->packed_size - CHUNK_HEAD > PNG_UINT_31_MAX - ADLER_BYTES)
-        return hdr_fail(err, HDR_BAD_DATA, "%s: rows are too wide for PNG", hdr_output_name(sink->output));
     self->adler = libdeflate_adler32(1, self->filtered, self->filtered_size);
     self->crc = libdeflate_crc32(0, self->packed + 4, self->packed_size - 4);
     return HDR_OK;

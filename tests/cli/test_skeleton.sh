@@ -64,8 +64,9 @@ check 'away from it' test "$(values -a0.5 --to -1.5)" = -0.5
 check 'to the maximum, which is there already' test "$(values --to max)" = 0.5
 after_another() { "$skeleton" expose --ev 2 : skeleton -a 0.5 --to max : pfm -o "$work/a.pfm" "$1"; }
 expect_status 0 'behind another verb' after_another testdata/tiny/ramp.exr
-# the ramp's largest component is 1 - 1/64, four times that here; the smallest 0, half way up here
-check 'facts are those behind that verb' test "$(tail -c $((16 * 4 * 3 * 4)) "$work/a.pfm" | od -An -v -tf4 -w4 | sort -g | sed -n '1p;$p' | tr -d ' ' | tr '\n' ' ')" = '1.96875 3.9375 '
+# the ramp's largest component is 1, 4 here; the smallest is 0, half way up then
+extremes=$(tail -c $((16 * 4 * 3 * 4)) "$work/a.pfm" | od -An -v -tf4 -w4 | sort -g | sed -n '1p;$p' | tr -d ' ' | tr '\n' ' ')
+check 'facts are those behind that verb' test "$extremes" = '2 4 '
 
 # ---- The laws hold for it ----------------------------------------------------------------------------------------
 
@@ -84,7 +85,6 @@ for cpu in c sse2 avx2 avx512; do
 done
 expect_status 0 'the plan' as_words --explain -o "$work/other.png"
 check 'the plan tells its note' stderr_has '(skeleton): 0.25 of the way to '
-expect_status 0 'a head with a verb that this program has not' "$skeleton" skeleton -o "$work/other.png" "$picture"
 newer_program() { "$skeleton" skeleton "$picture" | "$hdr" png; }
 expect_status 65 'a head from a newer program' newer_program
 check 'the verb is named' one_line_with "unknown verb 'skeleton'"

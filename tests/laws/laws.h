@@ -36,7 +36,7 @@ static inline double law_random_log(double low, double high) {
 
 /* ---- Variants of verbs ---- */
 
-enum { VARIANT_OPTIONS = 2, MAX_VARIANTS = 4000, MAX_VALUES = 400 };
+enum { VARIANT_OPTIONS = 3, MAX_VARIANTS = 4000, MAX_VALUES = 400 };
 
 /* An option with a value; that of a flag is empty. */
 typedef struct law_value {
@@ -120,12 +120,13 @@ static inline int law_add_values(law_value *list, int count, const hdr_option *o
 }
 
 /* Keeps a variant unless the verb says that its options do not go together. */
-static inline void law_add_variant(const hdr_verb *verb, const law_value *a, const law_value *b) {
+static inline void law_add_variant(const hdr_verb *verb, const law_value *a, const law_value *b, const law_value *c) {
     if (law_variant_count == MAX_VARIANTS) abort();
     law_variant *variant = &law_variants[law_variant_count];
     *variant = (law_variant){.verb = verb};
     if (a) variant->value[variant->values++] = *a;
     if (b) variant->value[variant->values++] = *b;
+    if (c) variant->value[variant->values++] = *c;
     char names[VARIANT_OPTIONS][80];
     const char *words[1 + 2 * VARIANT_OPTIONS] = {verb->about.name};
     int count = 1;
@@ -147,7 +148,19 @@ static inline void law_add_variant(const hdr_verb *verb, const law_value *a, con
     hdr_chain_free(chain);
 }
 
-/* Defaults, each option alone, and pairs of which one is a flag or a choice, as these change what the other means. */
+/* Pairs of which one is a flag or a choice, as these change what the other means; and those with one more flag. */
+static inline void law_add_combinations(const hdr_verb *verb, const law_value *list, int count) {
+    for (int i = 0; i < count; i++)
+        for (int j = i + 1; j < count; j++) {
+            if (list[i].option == list[j].option || !(law_is_word(&list[i]) || law_is_word(&list[j]))) continue;
+            law_add_variant(verb, &list[i], &list[j], NULL);
+            for (int k = j + 1; k < count; k++)
+                if (list[k].option->type == HDR_OPTION_FLAG && list[k].option != list[j].option)
+                    law_add_variant(verb, &list[i], &list[j], &list[k]);
+        }
+}
+
+/* Defaults, each option alone, and combinations. */
 static inline void law_make_variants(void) {
     const hdr_verb *verb;
     for (int v = 0; (verb = hdr_verb_number(v)) != NULL; v++) {
@@ -156,13 +169,10 @@ static inline void law_make_variants(void) {
         int count = 0;
         for (const hdr_option *option = verb->about.options; option && option->name; option++)
             count = law_add_values(list, count, option);
-        law_add_variant(verb, NULL, NULL);
+        law_add_variant(verb, NULL, NULL, NULL);
         for (int i = 0; i < count; i++)
-            law_add_variant(verb, &list[i], NULL);
-        for (int i = 0; i < count; i++)
-            for (int j = i + 1; j < count; j++)
-                if (list[i].option != list[j].option && (law_is_word(&list[i]) || law_is_word(&list[j])))
-                    law_add_variant(verb, &list[i], &list[j]);
+            law_add_variant(verb, &list[i], NULL, NULL);
+        law_add_combinations(verb, list, count);
     }
 }
 
@@ -185,7 +195,8 @@ typedef struct law_picture {
     char name[200];
     int width, height, planes;
     float *plane[3], *alpha;
-    bool few; /* too big to be tried with every variant */
+    bool few;      /* too big to be tried with every variant */
+    bool moderate; /* may be scaled by 2^-20 to 2^20: nothing over- or underflows, nor does straight colour */
 } law_picture;
 
 enum { MAX_PICTURES = 64 };

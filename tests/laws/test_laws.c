@@ -1,6 +1,7 @@
 /* The laws of SPEC.md that hold for every chain, tried with every filter of the registry: a verb that is added is under
  * them at once. Law 1 (pipe = then) is in test_pipes.sh, since it is about processes. */
 #include "laws.h"
+#include "laws_registry.h"
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -11,16 +12,12 @@
 
 static unsigned long skipped;
 
-static bool is_plain(const law_variant *variant) {
-    return variant->values < 2;
-}
-
-/* Every variant meets every picture, but pairs of options only every seventh, in turn; big pictures are met by each
- * verb's defaults. */
+/* A verb's defaults meet every picture, single options every third, in turn, combinations fewer; big pictures are met
+ * by defaults. */
 static bool is_tried(int variant, int picture) {
-    const law_variant *v = &law_variants[variant];
-    if (law_pictures[picture].few) return v->values == 0;
-    return is_plain(v) || (variant + picture) % 7 == 0;
+    int values = law_variants[variant].values;
+    if (law_pictures[picture].few) return values == 0;
+    return values == 0 || (variant + picture) % (values == 1 ? 3 : 13) == 0;
 }
 
 static void check_same(const law_picture *picture, const law_variant *variant, const char *format, const char *setting,
@@ -72,7 +69,7 @@ static void test_settings(void) {
             for (int f = 0; f < 3; f++) {
                 law_result base = law_run(picture, "%s then %s -j 1", variant->words, formats[f]);
                 CHECK(base.status == HDR_OK, "%s on %s: %s", variant->words, picture->name, base.message);
-                int settings = is_plain(variant) ? 4 : 1;
+                int settings = variant->values == 0 ? 4 : 1;
                 for (int s = 0; s < settings; s++)
                     check_same(picture, variant, formats[f], law2[(s + v) % 4], &base, "law 2");
                 check_same(picture, variant, formats[f], "-j 1 --no-skip", &base, "law 3");
@@ -182,8 +179,14 @@ static unsigned long compared_codes, changed_codes;
 
 static void check_exposure(const law_variant *variant, const law_picture *picture, const law_picture *scaled,
                            int stops) {
-    law_result a = law_run(picture, "%s then png", variant->words);
+    law_result a = law_run(picture, "%s then png --explain", variant->words);
     law_result b = law_run(scaled, "%s then png", variant->words);
+    /* what has nothing to measure by leaves the picture as it is: black, or a percentile that is not above 0 */
+    if (strstr(a.said, "skipped:")) {
+        free(a.bytes);
+        free(b.bytes);
+        return;
+    }
     size_t count = 0, scaled_count = 0;
     uint16_t *before = law_read_png(&a, &count), *after = law_read_png(&b, &scaled_count);
     int farthest = 0;
@@ -204,11 +207,11 @@ static void check_exposure(const law_variant *variant, const law_picture *pictur
 static void test_exposure(void) {
     for (int p = 0; p < law_picture_count; p++) {
         law_picture *picture = &law_pictures[p];
-        if (picture->path || picture->few || strstr(picture->name, "extreme")) continue;
+        if (!picture->moderate || picture->few) continue;
         law_picture scaled =
             law_new_picture(picture->name, picture->width, picture->height, picture->planes, picture->alpha);
         if (picture->alpha) memcpy(scaled.alpha, picture->alpha, law_pixels(picture) * sizeof(float));
-        for (int stops = -20; stops <= 20; stops += p % 3 ? 13 : 4) {
+        for (int stops = -20; stops <= 20; stops += p % 3 ? 20 : 8) {
             for (int c = 0; c < picture->planes; c++)
                 for (size_t i = 0; i < law_pixels(picture); i++)
                     scaled.plane[c][i] = ldexpf(picture->plane[c][i], stops);
@@ -236,6 +239,7 @@ static void check_finite(const law_picture *picture, const char *chain) {
     free(pfm.bytes);
     static const char *const types[] = {"float", "half"};
     for (int t = 0; t < 2; t++) {
+        if (strstr(chain, " then ") && t == (int)(strlen(chain) & 1)) continue; /* one of them for each pair of verbs */
         law_result exr = law_run(picture, "%s then exr --compression none --type %s", chain, types[t]);
         hdr_error error = {0};
         hdr_stats stats = {0};
@@ -257,12 +261,12 @@ static void test_finite(void) {
     char chain[500];
     for (int p = 0; p < law_picture_count; p++) {
         const law_picture *picture = &law_pictures[p];
-        bool hardest = strstr(picture->name, "extreme") || strstr(picture->name, "all ");
+        bool hardest = strstr(picture->name, "extreme");
         for (int v = 0; v < law_variant_count; v++) {
             const law_variant *variant = &law_variants[v];
-            if (!is_tried(v, p) && !strstr(picture->name, "extreme")) continue;
+            if (!is_tried(v, p) && !hardest) continue;
             check_finite(picture, variant->words);
-            if (!hardest || !is_plain(variant) || picture->few) continue;
+            if (!hardest || variant->values > 1) continue;
             /* any verb's defaults before and after; among them what raises to the ends of float */
             snprintf(chain, sizeof chain, "%s then expose --ev 300", variant->words);
             check_finite(picture, chain);
@@ -312,7 +316,7 @@ static void check_ascends(const law_variant *variant, const char *what, const do
                           size_t expected) {
     size_t falls = 0, first = 0;
     for (size_t i = 1; i < count; i++)
-        if (!(values[i] >= values[i - 1]) && falls++ == 0) first = i;
+        if (!(values[i] >= values[i - 1] - standard_fall(variant->verb->about.name)) && falls++ == 0) first = i;
     CHECK(count == expected && falls == 0, "law 7: %s falls %zu times among %zu %s, first at %zu: %.9g to %.9g",
           variant->words, falls, count, what, first, count ? values[first - (first > 0)] : 0,
           count ? values[first] : 0);
@@ -373,8 +377,6 @@ static void test_skips(void) {
     check_skipped(&black, "expose --auto", "expose", "exr");
     law_free_picture(&black);
 }
-
-#include "laws_registry.h"
 
 /* ---- All of it ---- */
 

@@ -102,7 +102,7 @@ static void oracle_component_facts(oracle_facts *facts, int channel, bool first,
 }
 
 /* Facts of what comes out of the steps so far, over the data window. */
-static oracle_facts oracle_take_facts(const oracle_chain *chain) {
+static oracle_facts oracle_compute_facts(const oracle_chain *chain) {
     const oracle_picture *picture = chain->picture;
     oracle_facts facts = {0};
     long double sum = 0, rest = 0;
@@ -132,36 +132,76 @@ static oracle_facts oracle_take_facts(const oracle_chain *chain) {
 typedef enum oracle_population { ORACLE_COMPONENTS, ORACLE_LUMINANCE, ORACLE_LIT } oracle_population;
 
 typedef struct oracle_values {
-    long double *value;
+    long double *value; /* in order */
     size_t count;
-    bool sorted;
 } oracle_values;
-
-/* What a percentile is taken of: components, or Y rounded to float32 (a lit pixel's to at least 2^-149). */
-static oracle_values oracle_collect(const oracle_chain *chain, oracle_population population) {
-    const oracle_picture *picture = chain->picture;
-    oracle_values values = {oracle_alloc(picture->pixels * 3, sizeof(long double)), 0, false};
-    for (size_t i = 0; i < picture->pixels; i++) {
-        long double c[3];
-        oracle_pixel(chain, chain->count, i, c);
-        for (int p = 0; population == ORACLE_COMPONENTS && p < picture->planes; p++)
-            values.value[values.count++] = c[p];
-        if (population == ORACLE_COMPONENTS) continue;
-        long double y = wide_luminance(&chain->weights, picture->planes, c);
-        if (y <= 0 && population == ORACLE_LIT) continue;
-        float rounded = (float)y;
-        values.value[values.count++] = y > 0 && rounded == 0 ? 0x1p-149L : rounded;
-    }
-    return values;
-}
 
 static int oracle_order(const void *a, const void *b) {
     const long double *x = a, *y = b;
     return (*x > *y) - (*x < *y);
 }
 
+/* What a percentile is taken of, rounded to float32: components, or Y (a lit pixel's to at least 2^-149). SPEC says so of Y
+ * only; of components it makes a difference where alpha was divided out, or a verb stands in front. */
+static oracle_values oracle_compute_values(const oracle_chain *chain, oracle_population population) {
+    const oracle_picture *picture = chain->picture;
+    oracle_values values = {oracle_alloc(picture->pixels * 3, sizeof(long double)), 0};
+    for (size_t i = 0; i < picture->pixels; i++) {
+        long double c[3];
+        oracle_pixel(chain, chain->count, i, c);
+        for (int p = 0; population == ORACLE_COMPONENTS && p < picture->planes; p++)
+            values.value[values.count++] = (float)c[p];
+        if (population == ORACLE_COMPONENTS) continue;
+        long double y = wide_luminance(&chain->weights, picture->planes, c);
+        if (y <= 0 && population == ORACLE_LIT) continue;
+        float rounded = (float)y;
+        values.value[values.count++] = y > 0 && rounded == 0 ? 0x1p-149L : rounded;
+    }
+    qsort(values.value, values.count, sizeof *values.value, oracle_order);
+    return values;
+}
+
+/* What many chains ask for: facts and values of the picture as it is read. Computed once for each picture. */
+static struct {
+    unsigned long serial;
+    bool facts_taken;
+    oracle_facts facts;
+    oracle_values values[3]; /* by population; value is NULL where not taken yet */
+} oracle_known;
+
+/* False: something stands in front, so that what is known does not help. */
+static bool oracle_is_known(const oracle_chain *chain) {
+    if (chain->count) return false;
+    if (oracle_known.serial == chain->picture->serial) return true;
+    for (int i = 0; i < 3; i++)
+        free(oracle_known.values[i].value);
+    memset(&oracle_known, 0, sizeof oracle_known);
+    oracle_known.serial = chain->picture->serial;
+    return true;
+}
+
+static oracle_facts oracle_take_facts(const oracle_chain *chain) {
+    if (!oracle_is_known(chain)) return oracle_compute_facts(chain);
+    if (!oracle_known.facts_taken) oracle_known.facts = oracle_compute_facts(chain);
+    oracle_known.facts_taken = true;
+    return oracle_known.facts;
+}
+
+static oracle_values oracle_take_values(const oracle_chain *chain, oracle_population population) {
+    if (!oracle_is_known(chain)) return oracle_compute_values(chain, population);
+    if (!oracle_known.values[population].value)
+        oracle_known.values[population] = oracle_compute_values(chain, population);
+    return oracle_known.values[population];
+}
+
+static void oracle_values_free(oracle_values *values) {
+    for (int i = 0; i < 3; i++)
+        if (values->value == oracle_known.values[i].value) return;
+    free(values->value);
+}
+
 /* Nearest rank: max(1, ceil(P N / 100)), P = the decimal as typed (from_top: 100 - P), in whole numbers. */
-static long double oracle_percentile(oracle_values *values, const char *decimal, bool from_top) {
+static long double oracle_percentile(const oracle_values *values, const char *decimal, bool from_top) {
     unsigned __int128 digits = 0, scale = 1;
     bool fraction = false;
     for (const char *c = decimal; *c; c++) {
@@ -175,8 +215,6 @@ static long double oracle_percentile(oracle_values *values, const char *decimal,
     if (from_top) digits = 100 * scale - digits;
     unsigned __int128 rank = (digits * values->count + 100 * scale - 1) / (100 * scale);
     if (!values->count) return 0;
-    if (!values->sorted) qsort(values->value, values->count, sizeof *values->value, oracle_order);
-    values->sorted = true;
     return values->value[rank ? (size_t)rank - 1 : 0];
 }
 
@@ -264,13 +302,13 @@ static void oracle_fill_facts(oracle_chain *chain, oracle_step *step) {
     step->smallest_positive = facts.smallest_positive;
     step->maximum = step->of_luminance ? facts.max_luminance : facts.max_component;
     if (!range && !percentile) return;
-    oracle_values values = oracle_collect(chain, range                ? ORACLE_LIT
+    oracle_values values = oracle_take_values(chain, range                ? ORACLE_LIT
                                                  : step->of_luminance ? ORACLE_LUMINANCE
                                                                       : ORACLE_COMPONENTS);
     if (percentile) step->maximum = oracle_percentile(&values, step->percentile.text, false);
     step->low_luminance = range ? oracle_percentile(&values, step->percentile.text, false) : 0;
     step->high_luminance = range ? oracle_percentile(&values, step->percentile.text, true) : 0;
-    free(values.value);
+    oracle_values_free(&values);
 }
 
 static void oracle_add_step(oracle_chain *chain, oracle_step *step) {
@@ -353,11 +391,12 @@ static bool oracle_all_exact(const oracle_chain *chain) {
     for (int s = 0; s < chain->count; s++) {
         const oracle_step *step = &chain->steps[s];
         bool whole = step->verb == ORACLE_EXPOSE && !step->automatic && step->ev.value == rintl(step->ev.value);
-        bool ends = step->verb == ORACLE_CLAMP && step->low.value == 0 && step->high.value == 1;
+        bool ends = step->verb == ORACLE_CLAMP && step->low.value == rintl(step->low.value) &&
+                    step->high.value == rintl(step->high.value);
         coded = coded || step->verb == ORACLE_QUANTISE;
         if (step->verb != ORACLE_QUANTISE && (coded || !(whole || ends))) return false;
     }
-    return !chain->picture->plane[3];
+    return chain->picture->opaque;
 }
 
 static oracle_codes oracle_exact_codes(const oracle_chain *chain, size_t pixel) {

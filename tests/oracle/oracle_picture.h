@@ -21,6 +21,7 @@ static const oracle_primaries oracle_rec709 = {
     {{0.64L, 0.33L}, {0.30L, 0.60L}, {0.15L, 0.06L}, {0.3127L, 0.3290L}}};
 
 typedef struct oracle_picture {
+    unsigned long serial; /* tells pictures apart */
     exr_attr_box2i_t data, display;
     int width, height; /* of the data window */
     size_t pixels;
@@ -181,7 +182,8 @@ static void oracle_finish_reading(oracle_picture *picture) {
 static inline bool oracle_read(file_bytes *file, oracle_picture *picture) {
     exr_context_initializer_t initializer = memory_initializer(file);
     exr_context_t context = NULL;
-    *picture = (oracle_picture){0};
+    static unsigned long serial;
+    *picture = (oracle_picture){.serial = ++serial};
     bool done = exr_start_read(&context, "memory", &initializer) == EXR_ERR_SUCCESS &&
                 oracle_read_header(context, picture) && oracle_decode(context, picture);
     if (context) exr_finish(&context);

@@ -1,6 +1,7 @@
 /* For the oracle: two kinds of real numbers, so that each formula is written once (oracle_curve.h) and evaluated in both.
  *
- *   wide   long double: 64 bits of mantissa on x86-64, 113 on aarch64. Decides nearly every code.
+ *   wide   long double: 64 bits of mantissa on x86-64, 113 on aarch64; powers are double, ten times faster, and good to
+ *          1e-10 of a 16-bit code. Decides nearly every code.
  *   exact  MPFR with 192 bits. Decides where the wide value lies near a rounding boundary.
  *
  * An exact number is the index of a slot in an arena that is emptied before each evaluation, because a plain value can be
@@ -60,7 +61,7 @@ static inline long double wide_floor(long double a) {
 }
 
 static inline long double wide_power(long double a, long double b) {
-    return powl(a, b);
+    return pow((double)a, (double)b);
 }
 
 static inline long double wide_ln(long double a) {

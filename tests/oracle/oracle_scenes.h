@@ -24,6 +24,8 @@ static const exr_attr_chromaticities_t scene_xyz = {1, 0, 0, 1, 0, 0, 1 / 3.0f, 
 /* Rec.709's to within 1e-5, so that nothing is converted. */
 static const exr_attr_chromaticities_t scene_rec709 = {0.640005f, 0.33f, 0.3f,    0.599995f,
                                                        0.15f,     0.06f, 0.3127f, 0.329f};
+static const exr_attr_chromaticities_t scene_exactly_rec709 = {0.64f, 0.33f, 0.3f,    0.6f,
+                                                               0.15f, 0.06f, 0.3127f, 0.329f};
 static const exr_attr_v2f_t scene_neutral = {{{0.3457f, 0.3585f}}};
 
 #define FRAME(left, top, right, bottom) {{.x = (left), .y = (top)}, {.x = (right), .y = (bottom)}}
@@ -47,6 +49,8 @@ static const oracle_scene oracle_scenes[] = {
      .display = FRAME(0, 0, 30, 30), .primaries = &scene_xyz},
     {.name = "almost Rec.709", .channels = "BGR", .type = EXR_PIXEL_HALF, .width = 31, .height = 31,
      .display = FRAME(0, 0, 30, 30), .primaries = &scene_rec709},
+    {.name = "Rec.709 by name", .channels = "BGR", .type = EXR_PIXEL_HALF, .width = 16, .height = 16,
+     .display = FRAME(0, 0, 15, 15), .primaries = &scene_exactly_rec709},
     {.name = "grey of BT.2020", .channels = "BGR", .type = EXR_PIXEL_HALF, .width = 31, .height = 31,
      .display = FRAME(0, 0, 30, 30), .primaries = &scene_bt2020, .grey = true},
     {.name = "grey, three planes, alpha", .channels = "ABGR", .type = EXR_PIXEL_FLOAT, .width = 50, .height = 30,

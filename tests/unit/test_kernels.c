@@ -325,7 +325,7 @@ static void random_thresholds(double *threshold, int top, unsigned kind) {
     double cluster = 0;
     for (int k = 0; k <= top; k++) {
         double wide = ldexp(1 + random_unit(), (int)(random_bits() % 270) - 140);
-        switch (kind % 6) {
+        switch (kind % 7) {
         case 0:
             threshold[k] = random_unit();
             break;
@@ -339,6 +339,9 @@ static void random_thresholds(double *threshold, int top, unsigned kind) {
         case 3: /* the same */
             cluster = random_bits() % 5 ? cluster : wide;
             threshold[k] = cluster;
+            break;
+        case 6: /* where buckets begin */
+            threshold[k] = ldexp((double)(1 + random_bits() % 4), (int)(random_bits() % 12) - 10);
             break;
         case 4: /* as an encoding has them */
             threshold[k] = pow((k + 0.5) / (top + 1), 2.2);

@@ -163,6 +163,13 @@ static void read_png_bytes(png_structp png, png_bytep out, size_t size) {
     reader->at += size;
 }
 
+static int png_warnings;
+
+static void count_png_warning(png_structp png, png_const_charp message) {
+    (void)png, (void)message;
+    png_warnings++;
+}
+
 /* The pixels as they lie in memory: 16-bit samples native. Anything libpng warns of is a failure. */
 static bool read_png_rows(png_structp png, png_infop info, unsigned char *pixels, size_t row_bytes, int height) {
     if (setjmp(png_jmpbuf(png)) != 0) return false;
@@ -216,13 +223,15 @@ static void check_png_file(const hdr_output *output, const hdr_frame *frame, con
     reader.data = hdr_output_bytes(output, &reader.size);
     size_t row_bytes = hdr_frame_row_bytes(frame), size = row_bytes * (size_t)frame->height;
     unsigned char *pixels = calloc(size, 1);
-    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, count_png_warning);
     png_infop info = png_create_info_struct(png);
     png_set_read_fn(png, &reader, read_png_bytes);
+    png_warnings = 0;
     bool whole = read_png_rows(png, info, pixels, row_bytes, frame->height);
     CHECK(whole && reader.at == reader.size, "%dx%d: libpng does not read it to its end", frame->width, frame->height);
     CHECK(memcmp(pixels, samples, size) == 0, "%dx%dx%d: pixels differ", frame->width, frame->height,
           hdr_frame_channels(frame));
+    CHECK(png_warnings == 0, "%dx%d: libpng warns", frame->width, frame->height);
     if (whole) check_png_info(png, info, frame);
     png_destroy_read_struct(&png, &info, NULL);
     free(pixels);
