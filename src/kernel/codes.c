@@ -46,7 +46,8 @@ void hdr_code_table_index(hdr_code_table *table, int top) {
     int64_t bucket = 0;
     for (; bucket < HDR_CODE_BUCKETS; bucket++) {
         double start = hdr_real_from_bits((uint64_t)(table->first + (bucket << table->shift)));
-        while (code < top && table->threshold[code + 1] <= start)
+        /* values below the first bucket are looked up in it: there, all thresholds are left to the comparisons */
+        while (bucket > 0 && code < top && table->threshold[code + 1] <= start)
             code++;
         table->base[bucket] = (uint8_t)code;
         table->last = table->first + (bucket << table->shift);

@@ -269,6 +269,7 @@ static inline float law_extreme(void) {
 }
 
 static inline void law_fill(law_picture *picture, float (*value)(void)) {
+    picture->moderate = value == law_ordinary || value == law_hard;
     for (int p = 0; p < picture->planes; p++)
         for (size_t i = 0; i < law_pixels(picture); i++)
             picture->plane[p][i] = value();
@@ -286,6 +287,7 @@ static inline void law_fill_constant(law_picture *picture, float value) {
 }
 
 static inline void law_fill_alpha(law_picture *picture, float (*value)(void)) {
+    picture->moderate &= value == NULL; /* a tiny alpha makes colours huge */
     for (size_t i = 0; i < law_pixels(picture); i++)
         picture->alpha[i] = value ? value() : 1;
 }

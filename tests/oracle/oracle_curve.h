@@ -168,11 +168,21 @@ static REAL OF(component)(const oracle_step *step, REAL c, long double *distance
     }
 }
 
+/* log --mode range with hi = lo jumps from 0 to 1 where Y = lo: there the last bit of a sum in double decides, so that a colour
+ * within its reach is excused. Not a grey, whose Y is its value. */
+static bool OF(at_jump)(const oracle_step *step, int planes, const REAL c[3]) {
+    if (step->verb != ORACLE_LOG || step->mode != ORACLE_RANGE || step->low_luminance != step->high_luminance) return false;
+    if (planes == 1 || (!OF(compare)(c[0], c[1]) && !OF(compare)(c[0], c[2]))) return false;
+    REAL difference = OF(subtract)(OF(luminance)(&step->weights, planes, c), OF(from)(step->low_luminance));
+    return fabsl(OF(to)(difference)) <= 0x1p-51L * step->low_luminance;
+}
+
 /* Takes a pixel through steps. Lowers *nearest to the distance of the boundary that a quantise among them came nearest to. */
 static void OF(walk)(const oracle_step *steps, int count, int planes, REAL c[3], long double *nearest) {
     for (int s = 0; s < count; s++) {
         const oracle_step *step = &steps[s];
         bool tone = step->verb == ORACLE_EXP || (step->verb == ORACLE_LOG && step->mode != ORACLE_LITERAL);
+        if (OF(at_jump)(step, planes, c)) *nearest = 0;
         if (tone)
             OF(tone_map)(step, planes, c);
         else if (step->verb == ORACLE_CONVERT)

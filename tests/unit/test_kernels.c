@@ -569,8 +569,6 @@ static outcome test_level(hdr_cpu_level level) {
 }
 
 int main(void) {
-    unsigned long skipped = 0;
-    outcome sum = {0};
     for (int level = HDR_CPU_C; level <= HDR_CPU_AVX512; level++) {
         int ends[2];
         outcome one = {.failed = 1};
@@ -590,10 +588,9 @@ int main(void) {
         if (status || one.failed)
             fprintf(stderr, "level %s: %lu failed, status %d\n", hdr_cpu_name((hdr_cpu_level)level), one.failed,
                     status);
-        sum.passed += one.passed;
-        sum.failed += one.failed + (status != 0);
-        skipped += one.missing;
+        check_passed += one.passed;
+        check_failed += one.failed + (status != 0);
+        if (one.missing) CHECK_SKIP("this processor has no %s", hdr_cpu_name((hdr_cpu_level)level));
     }
-    printf("test_kernels: %lu passed, %lu failed, %lu skipped\n", sum.passed, sum.failed, skipped);
-    return sum.failed != 0;
+    return check_done("test_kernels");
 }
