@@ -138,8 +138,9 @@ install: all
 	install -m 644 man/*.1 $(DESTDIR)$(PREFIX)/share/man/man1/
 	install -m 644 man/*.5 $(DESTDIR)$(PREFIX)/share/man/man5/
 	install -m 644 man/*.7 $(DESTDIR)$(PREFIX)/share/man/man7/
-	printf 'prefix=%s\nName: hdrpipe\nDescription: HDR renders to display pictures\nVersion: %s\nRequires: libpng OpenEXR\nLibs: -L$${prefix}/lib -lhdrpipe -lOpenEXRCore -lpng -ldeflate -lisal -lz -lm -pthread\nCflags: -I$${prefix}/include\n' \
-	    '$(PREFIX)' "$$(sed -n 's/.*HDRPIPE_VERSION "\(.*\)"/\1/p' include/hdrpipe.h)" >$(DESTDIR)$(PREFIX)/lib/pkgconfig/hdrpipe.pc
+	printf 'prefix=%s\nName: hdrpipe\nDescription: HDR renders to display pictures\nVersion: %s\nRequires: libpng OpenEXR\nLibs: -L$${prefix}/lib -lhdrpipe $(LIBS) -pthread\nCflags: -I$${prefix}/include\n' \
+	    '$(PREFIX)' "$$(sed -n 's/.*HDRPIPE_VERSION "\(.*\)"/\1/p' include/hdrpipe.h)" >$(BUILD)/hdrpipe.pc
+	install -m 644 $(BUILD)/hdrpipe.pc $(DESTDIR)$(PREFIX)/lib/pkgconfig/
 
 uninstall:
 	rm -f $(DESTDIR)$(PREFIX)/bin/hdr $(VERBS:%=$(DESTDIR)$(PREFIX)/bin/hdr-%)

@@ -74,6 +74,7 @@ static void catch_signals(void) {
     sigemptyset(&action.sa_mask);
     for (size_t i = 0; i < sizeof caught / sizeof *caught; i++)
         sigaddset(&action.sa_mask, caught[i]);
+    signal(SIGXFSZ, SIG_IGN); /* a file that outgrows its limit is a write that fails, and is told as such */
     for (size_t i = 0; i < sizeof caught / sizeof *caught; i++)
         if (sigaction(caught[i], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
             sigaction(caught[i], &action, NULL);

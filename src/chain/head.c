@@ -174,13 +174,12 @@ static char *take_head(hdr_input *input, hdr_error *err) {
         return NULL;
     }
     hdr_error own = {0};
-    int64_t length = hdr_input_get_planes(input) ? 0 : hdr_input_read(input, text, strlen(MAGIC), 0, &own);
+    int64_t length = hdr_input_get_planes(input) ? 0 : hdr_input_read(input, text, strlen(MAGIC), 0, err);
     if (length == (int64_t)strlen(MAGIC) && !memcmp(text, MAGIC, strlen(MAGIC)))
-        length = hdr_input_read(input, text, HEAD_MAX, 0, &own);
+        length = hdr_input_read(input, text, HEAD_MAX, 0, err);
     if (length >= 0) length = head_length(text, (size_t)length, &own);
     if (length < 0) {
-        hdr_fail_in(&own, hdr_input_name(input));
-        hdr_fail(err, own.status, "%s", own.message);
+        if (own.status) hdr_fail(err, own.status, "%s: %s", hdr_input_name(input), own.message);
         free(text);
         return NULL;
     }

@@ -203,6 +203,13 @@ static hdr_status unknown_option(const hdr_clause *clause, const char *word, hdr
     return hdr_fail(err, HDR_USAGE, "unknown option %.100s; see hdr %s --help", word, clause->verb->about.name);
 }
 
+/* With the option's own help line. */
+static hdr_status refuse_option(const hdr_option *option, const char *why, hdr_error *err) {
+    char line[400];
+    hdr_option_describe(option, line, sizeof line);
+    return hdr_fail(err, HDR_USAGE, "--%s: %s\n%s", option->name, why, line);
+}
+
 /* The value of an option that takes one: what stands behind it, or the next word. */
 static hdr_status option_value(const hdr_option *option, const char *attached, words *from, const char **text,
                                hdr_error *err) {
@@ -212,9 +219,7 @@ static hdr_status option_value(const hdr_option *option, const char *attached, w
         *text = from->word[from->next++];
         return HDR_OK;
     }
-    char line[400];
-    hdr_option_describe(option, line, sizeof line);
-    return hdr_fail(err, HDR_USAGE, "--%s: a value is missing\n%s", option->name, line);
+    return refuse_option(option, "a value is missing", err);
 }
 
 /* --name, --name value, --name=value. */
@@ -234,7 +239,7 @@ static hdr_status long_option(hdr_chain *chain, hdr_clause *clause, const char *
         hdr_status status = option_value(option, equals ? equals + 1 : NULL, from, &text, err);
         if (status) return status;
     } else if (equals) {
-        return hdr_fail(err, HDR_USAGE, "--%s takes no value", name);
+        return refuse_option(option, "it takes no value", err);
     }
     return set_option(chain, clause, own, common, text, err);
 }

@@ -370,7 +370,8 @@ hdr_status hdr_run_guess(hdr_run *run, hdr_error *err) {
 typedef struct facts_sweep {
     hdr_run *run;
     hdr_taking *taking;
-    bool whole; /* all channels are wanted, even if they are equal */
+    bool whole;  /* all channels are wanted, even if they are equal */
+    bool reduce; /* one plane stands for three equal ones: the same in all sweeps of a taking, whose counts go together */
 } facts_sweep;
 
 static hdr_status facts_before(void *context, int *items, hdr_error *err) {
@@ -392,7 +393,7 @@ static hdr_status facts_job(void *context, int item, int thread, hdr_error *err)
     for (int row = 0; row < block.rows; row++) {
         for (int64_t x = 0; x < width; x += HDR_STRIP) {
             size_t count = width - x < HDR_STRIP ? (size_t)(width - x) : HDR_STRIP;
-            if (!hdr_run_load(run, thread, &block, row, (int)x, count, !sweep->whole, sweep->whole)) return HDR_OK;
+            if (!hdr_run_load(run, thread, &block, row, (int)x, count, sweep->reduce, sweep->whole)) return HDR_OK;
             hdr_strip_apply(strip, run->steps, 0, run->step_count, run->settings.reference);
             hdr_strip_luminance(strip, run->weights);
             const double *planes[3] = {strip->c[0], strip->c[1], strip->c[2]};
@@ -406,6 +407,7 @@ static hdr_status facts_job(void *context, int item, int thread, hdr_error *err)
 
 hdr_status hdr_run_facts(hdr_run *run, const hdr_request *request, hdr_facts *facts, hdr_error *err) {
     facts_sweep sweep = {.run = run, .whole = request->facts & HDR_FACT_CHANNELS};
+    sweep.reduce = run->raw.certain && !sweep.whole;
     int height = (int)hdr_window_height(&run->source->picture.data);
     sweep.taking = hdr_taking_new(request, height, run->thread_count, err);
     if (!sweep.taking) return err->status;

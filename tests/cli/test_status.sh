@@ -326,6 +326,7 @@ else
 fi
 
 # at any other moment: nothing, or all of it
+absent_or_whole() { absent "$1" || cmp -s "$work/slow.png" "$1"; }
 expect_status 0 'a slow run' "$hdr" log --reference : png -o "$work/slow.png" testdata/interior.exr
 for moment in 00 01 02 03 04 05 06 07 08; do
     "$hdr" log --reference : png -o "$work/out/a.png" testdata/interior.exr 2>/dev/null &
@@ -333,10 +334,8 @@ for moment in 00 01 02 03 04 05 06 07 08; do
     sleep "0.$moment"
     kill -s TERM $killed 2>/dev/null
     wait $killed 2>/dev/null
-    if [ -e "$work/out/a.png" ]; then
-        check "ended after 0.$moment s: whole" cmp -s "$work/slow.png" "$work/out/a.png"
-        rm "$work/out/a.png"
-    fi
+    check "ended after 0.$moment s: nothing or all of it" absent_or_whole "$work/out/a.png"
+    rm -f "$work/out/a.png"
     check "ended after 0.$moment s: nothing else" empty_directory "$work/out"
 done
 

@@ -61,7 +61,7 @@ static void add_seed(file_bytes file) {
 }
 
 static void add_seed_file(const char *path) {
-    file_bytes file = {malloc(FILE_MAX_BYTES), 0};
+    file_bytes file = {calloc(1, FILE_MAX_BYTES), 0};
     FILE *stream = fopen(path, "rb");
     CHECK(stream && file.data, "%s cannot be read", path);
     if (stream && file.data) file.size = fread(file.data, 1, FILE_MAX_BYTES, stream);
@@ -72,7 +72,7 @@ static void add_seed_file(const char *path) {
 static void make_seeds(void) {
     static const char *const files[] = {"testdata/tiny/specials.exr", "testdata/tiny/alpha.exr",
                                         "testdata/tiny/window.exr",   "testdata/tiny/grey.exr",
-                                        "testdata/tiny/wide.exr",     "testdata/tiny/one.exr"};
+                                        "testdata/tiny/wide.exr",     "testdata/tiny/black.exr"};
     static const exr_compression_t compressions[] = {EXR_COMPRESSION_NONE, EXR_COMPRESSION_RLE, EXR_COMPRESSION_ZIPS,
                                                      EXR_COMPRESSION_ZIP,  EXR_COMPRESSION_PIZ, EXR_COMPRESSION_PXR24,
                                                      EXR_COMPRESSION_B44,  EXR_COMPRESSION_B44A};
@@ -158,7 +158,7 @@ static void mutate(file_bytes *file, uint64_t *random) {
 
 static file_bytes copy_of_seed(uint64_t *random) {
     const file_bytes *seed = &seeds[below(random, (size_t)seed_count)];
-    file_bytes copy = {malloc(FILE_MAX_BYTES), seed->size};
+    file_bytes copy = {calloc(1, FILE_MAX_BYTES), seed->size};
     if (!copy.data) abort();
     memcpy(copy.data, seed->data, seed->size);
     return copy;
@@ -434,7 +434,7 @@ static void damaged_head(uint64_t *random) {
         if (one_in(random, 6)) size += (size_t)snprintf(text + size, sizeof text - size, "%s\n", PICK(random, odd));
     }
     size += (size_t)snprintf(text + size, sizeof text - size, "\n");
-    file_bytes head = {malloc(FILE_MAX_BYTES), size}, file = copy_of_seed(random);
+    file_bytes head = {calloc(1, FILE_MAX_BYTES), size}, file = copy_of_seed(random);
     if (!head.data) abort();
     memcpy(head.data, text, size);
     if (one_in(random, 2)) mutate(&head, random);

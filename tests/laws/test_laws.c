@@ -10,12 +10,12 @@
  * computes. */
 #define DIGESTS_WORD "digests"
 
-/* A verb's defaults meet every picture, single options every third, in turn, combinations fewer; big pictures are met
+/* A verb's defaults meet every picture, single options every fourth, in turn, combinations fewer; big pictures are met
  * by defaults. */
 static bool is_tried(int variant, int picture) {
     int values = law_variants[variant].values;
     if (law_pictures[picture].few) return values == 0;
-    return values == 0 || (variant + picture) % (values == 1 ? 3 : 13) == 0;
+    return values == 0 || (variant + picture) % (values == 1 ? 4 : 17) == 0;
 }
 
 static void check_same(const law_picture *picture, const law_variant *variant, const char *format, const char *setting,
@@ -67,14 +67,14 @@ static void test_settings(void) {
             for (int f = 0; f < 3; f++) {
                 law_result base = law_run(picture, "%s then %s -j 1", variant->words, formats[f]);
                 CHECK(base.status == HDR_OK, "%s on %s: %s", variant->words, picture->name, base.message);
-                int settings = variant->values == 0 ? 4 : 1;
+                int settings = variant->values == 0 && !picture->few ? 4 : 1;
                 for (int s = 0; s < settings; s++)
                     check_same(picture, variant, formats[f], law2[(s + v) % 4], &base, "law 2");
                 check_same(picture, variant, formats[f], "-j 1 --no-skip", &base, "law 3");
                 if (f < 2) check_same(picture, variant, formats[f], "-j 1 --reference", &base, "law 4");
                 free(base.bytes);
             }
-            check_reference_floats(picture, variant);
+            if (!picture->few) check_reference_floats(picture, variant);
         }
 }
 
@@ -177,8 +177,8 @@ static unsigned long compared_codes, changed_codes;
 
 static void check_exposure(const law_variant *variant, const law_picture *picture, const law_picture *scaled,
                            int stops) {
-    law_result a = law_run(picture, "%s then png --explain", variant->words);
-    law_result b = law_run(scaled, "%s then png", variant->words);
+    law_result a = law_run(picture, "%s then png -j 1 --explain", variant->words);
+    law_result b = law_run(scaled, "%s then png -j 1", variant->words);
     /* what has nothing to measure by leaves the picture as it is: black, or a percentile that is not above 0 */
     if (strstr(a.said, "skipped:")) {
         free(a.bytes);
@@ -225,7 +225,7 @@ static void test_exposure(void) {
 /* ---- Law 6 ---- */
 
 static void check_finite(const law_picture *picture, const char *chain) {
-    law_result pfm = law_run(picture, "%s then pfm", chain);
+    law_result pfm = law_run(picture, "%s then pfm -j 1", chain);
     /* a chain that encodes twice is refused */
     if (pfm.status == HDR_BAD_DATA && strstr(pfm.message, "encoded already")) return;
     size_t count = 0, bad = 0;
@@ -239,19 +239,10 @@ static void check_finite(const law_picture *picture, const char *chain) {
     static const char *const types[] = {"float", "half"};
     for (int t = 0; t < 2; t++) {
         if (strstr(chain, " then ") && t == (int)(strlen(chain) & 1)) continue; /* one of them for each pair of verbs */
-        law_result exr = law_run(picture, "%s then exr --compression none --type %s", chain, types[t]);
-        hdr_error error = {0};
-        hdr_stats stats = {0};
-        hdr_chain *reading = hdr_chain_new(&error);
-        hdr_chain_add(reading, (const char *const[]){"stats"}, 1, &error);
-        hdr_input *input = exr.bytes ? hdr_input_memory(exr.bytes, exr.size, "result", &error) : NULL;
-        if (input) hdr_chain_stats(reading, input, &stats, NULL, &error);
-        uint64_t repaired = stats.nan + stats.positive_infinity + stats.negative_infinity;
-        CHECK(stats.pixels > 0 && repaired == 0,
-              "law 6: %s then exr --type %s on %s: %llu components are not finite %s%s", chain, types[t], picture->name,
-              (unsigned long long)repaired, exr.message, error.message);
-        hdr_input_free(input);
-        hdr_chain_free(reading);
+        law_result exr = law_run(picture, "%s then exr -j 1 --compression none --type %s", chain, types[t]);
+        bool read = exr.bytes && law_count_exr(&exr, t == 1, &count, &bad);
+        CHECK(read && bad == 0, "law 6: %s then exr --type %s on %s: %zu of %zu components are not finite %s", chain,
+              types[t], picture->name, bad, count, exr.message);
         free(exr.bytes);
     }
 }
@@ -328,7 +319,7 @@ static void test_monotone(void) {
     double *values = malloc(width * sizeof *values);
     for (int v = 0; v < law_variant_count; v++)
         for (int f = 0; f < 3; f++) {
-            law_result result = law_run(&ramp, "%s then %s", law_variants[v].words, formats[f]);
+            law_result result = law_run(&ramp, "%s then %s -j 1", law_variants[v].words, formats[f]);
             float *floats = f == 2 ? law_read_pfm(&result, &count) : NULL;
             uint16_t *codes = f == 2 ? NULL : law_read_png(&result, &count);
             for (size_t i = 0; i < count && i < width; i++)
@@ -380,8 +371,8 @@ static void test_skips(void) {
 /* ---- All of it ---- */
 
 static void add_corpus(void) {
-    static const char *const small[] = {"torture/AllHalfValues.exr", "torture/BrightRingsNanInf.exr",
-                                        "torture/WideFloatRange.exr", "render/crop_test.exr", "windows/t08.exr"};
+    static const char *const small[] = {"torture/AllHalfValues.exr", "torture/WideFloatRange.exr",
+                                        "render/crop_test.exr"};
     const char *folder = getenv("HDRPIPE_CORPUS");
     char path[4096];
     for (size_t i = 0; i < sizeof small / sizeof *small; i++) {

@@ -141,8 +141,8 @@ static int oracle_order(const void *a, const void *b) {
     return (*x > *y) - (*x < *y);
 }
 
-/* What a percentile is taken of, rounded to float32: components, or Y (a lit pixel's to at least 2^-149). SPEC says so of Y
- * only; of components it makes a difference where alpha was divided out, or a verb stands in front. */
+/* What a percentile is taken of, rounded to float32: components, or Y (a lit pixel's to at least 2^-149). SPEC says so
+ * of Y only; of components it makes a difference where alpha was divided out, or a verb stands in front. */
 static oracle_values oracle_compute_values(const oracle_chain *chain, oracle_population population) {
     const oracle_picture *picture = chain->picture;
     oracle_values values = {oracle_alloc(picture->pixels * 3, sizeof(long double)), 0};
@@ -245,10 +245,14 @@ static int oracle_parse_option(oracle_chain *chain, oracle_step *step, const cha
         const char *name;
         size_t offset;
     } numbers[] = {
-        {"--min", offsetof(oracle_step, low)},           {"--max", offsetof(oracle_step, high)},
-        {"--ev", offsetof(oracle_step, ev)},             {"--k", offsetof(oracle_step, k)},
-        {"--exponent", offsetof(oracle_step, exponent)}, {"--saturation", offsetof(oracle_step, saturation)},
-        {"-g", offsetof(oracle_step, exponent)},         {"--percentile", offsetof(oracle_step, percentile)},
+        {"--min", offsetof(oracle_step, low)},
+        {"--max", offsetof(oracle_step, high)},
+        {"--ev", offsetof(oracle_step, ev)},
+        {"--k", offsetof(oracle_step, k)},
+        {"--exponent", offsetof(oracle_step, exponent)},
+        {"--saturation", offsetof(oracle_step, saturation)},
+        {"-g", offsetof(oracle_step, exponent)},
+        {"--percentile", offsetof(oracle_step, percentile)},
     };
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         if (strcmp(word, numbers[i].name) != 0) continue;
@@ -261,14 +265,22 @@ static int oracle_parse_option(oracle_chain *chain, oracle_step *step, const cha
                                                         : NULL;
     if (flag) *flag = true;
     if (flag) return 1;
-    if (!strcmp(word, "--of")) step->of_luminance = !strcmp(value, "luminance");
-    else if (!strcmp(word, "--mode")) oracle_parse_mode(step, value);
-    else if (!strcmp(word, "--bits")) step->bits = atoi(value);
-    else if (!strcmp(word, "--type")) chain->half = !strcmp(value, "half");
-    else if (!strcmp(word, "--primaries")) chain->keep_primaries = !strcmp(value, "keep");
-    else if (!strcmp(word, "--adapt")) chain->no_adaptation = !strcmp(value, "none");
-    else if (!strcmp(word, "--window")) chain->data_window = !strcmp(value, "data");
-    else return 0;
+    if (!strcmp(word, "--of"))
+        step->of_luminance = !strcmp(value, "luminance");
+    else if (!strcmp(word, "--mode"))
+        oracle_parse_mode(step, value);
+    else if (!strcmp(word, "--bits"))
+        step->bits = atoi(value);
+    else if (!strcmp(word, "--type"))
+        chain->half = !strcmp(value, "half");
+    else if (!strcmp(word, "--primaries"))
+        chain->keep_primaries = !strcmp(value, "keep");
+    else if (!strcmp(word, "--adapt"))
+        chain->no_adaptation = !strcmp(value, "none");
+    else if (!strcmp(word, "--window"))
+        chain->data_window = !strcmp(value, "data");
+    else
+        return 0;
     return 2;
 }
 
@@ -303,8 +315,8 @@ static void oracle_fill_facts(oracle_chain *chain, oracle_step *step) {
     step->maximum = step->of_luminance ? facts.max_luminance : facts.max_component;
     if (!range && !percentile) return;
     oracle_values values = oracle_take_values(chain, range                ? ORACLE_LIT
-                                                 : step->of_luminance ? ORACLE_LUMINANCE
-                                                                      : ORACLE_COMPONENTS);
+                                                     : step->of_luminance ? ORACLE_LUMINANCE
+                                                                          : ORACLE_COMPONENTS);
     if (percentile) step->maximum = oracle_percentile(&values, step->percentile.text, false);
     step->low_luminance = range ? oracle_percentile(&values, step->percentile.text, false) : 0;
     step->high_luminance = range ? oracle_percentile(&values, step->percentile.text, true) : 0;
@@ -384,8 +396,8 @@ typedef struct oracle_codes {
     bool void_pixel; /* a quantise inside the chain is excused: nothing can be said */
 } oracle_codes;
 
-/* True where the arithmetic is exact in binary up to the first rounding to codes, and all that follows rounds these codes
- * again: then not even a boundary met exactly is an excuse. */
+/* True where the arithmetic is exact in binary up to the first rounding to codes, and all that follows rounds these
+ * codes again: then not even a boundary met exactly is an excuse. */
 static bool oracle_all_exact(const oracle_chain *chain) {
     bool coded = false;
     for (int s = 0; s < chain->count; s++) {

@@ -46,8 +46,8 @@ static bool oracle_inside(const oracle_picture *picture, int x, int y, size_t *p
 
 /* ---- PNG ---- */
 
-static void oracle_compare_chunks(const oracle_chain *chain, const uint8_t *bytes, size_t size,
-                                  const oracle_png *png, oracle_verdict *verdict) {
+static void oracle_compare_chunks(const oracle_chain *chain, const uint8_t *bytes, size_t size, const oracle_png *png,
+                                  oracle_verdict *verdict) {
     static const uint32_t rec709[8] = {31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000};
     bool kept = chain->picture->foreign && !chain->converted && chain->picture->planes == 3;
     const uint8_t *gamma = oracle_chunk(bytes, size, "gAMA", 4), *cube = oracle_chunk(bytes, size, "cHRM", 32);
@@ -113,7 +113,8 @@ static inline void oracle_compare_png(const oracle_chain *chain, const void *byt
     bool grey = chain->picture->grey && !chain->converted;
     if (oracle_agree(verdict, oracle_read_png(bytes, size, &png), "libpng does not read it") &&
         oracle_agree(verdict,
-                     (int)png.width == frame.max.x - frame.min.x + 1 && (int)png.height == frame.max.y - frame.min.y + 1,
+                     (int)png.width == frame.max.x - frame.min.x + 1 &&
+                         (int)png.height == frame.max.y - frame.min.y + 1,
                      "size is %u x %u", png.width, png.height) &&
         oracle_agree(verdict, png.depth == chain->png_bits, "depth is %d", png.depth) &&
         oracle_agree(verdict, (png.colours == 1) == grey, "grey: %d, should be %d", png.colours == 1, grey) &&
@@ -150,7 +151,8 @@ static bool oracle_half_agrees(float got, long double real) {
     return fabsl(fabsl(scaled - floorl(scaled)) - 0.5L) < oracle_excuse && fabsl(got - real) <= 0.51L * spacing;
 }
 
-/* The real value of each component of a pixel as EXR and PFM have it: associated with alpha. Outside the data window 0. */
+/* The real value of each component of a pixel as EXR and PFM have it: associated with alpha. Outside the data window 0.
+ */
 static void oracle_real_pixel(const oracle_chain *chain, bool inside, size_t pixel, long double c[4]) {
     c[0] = c[1] = c[2] = c[3] = 0;
     if (!inside) return;
@@ -188,7 +190,8 @@ static inline void oracle_compare_exr(const oracle_chain *chain, const void *byt
     if (oracle_agree(verdict, oracle_read(&file, &out), "OpenEXRCore does not read it") &&
         oracle_agree(verdict, out.planes == chain->picture->planes, "%d planes", out.planes) &&
         oracle_agree(verdict, !out.nan && !out.positive_infinity && !out.negative_infinity, "NaN or infinity") &&
-        oracle_agree(verdict, (out.plane[3] != NULL) == oracle_alpha_written(chain), "alpha: %d", out.plane[3] != NULL)) {
+        oracle_agree(verdict, (out.plane[3] != NULL) == oracle_alpha_written(chain), "alpha: %d",
+                     out.plane[3] != NULL)) {
         oracle_agree(verdict, !memcmp(&out.display, &chain->picture->display, sizeof out.display), "display window");
         oracle_agree(verdict, out.foreign == (chain->picture->foreign && !chain->converted), "chromaticities: %d",
                      out.foreign);

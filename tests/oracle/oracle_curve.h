@@ -1,8 +1,9 @@
-/* For the oracle: SPEC's formulas, each written once. Included twice by oracle_chain.h, with REAL the kind of number and
- * OF(name) its operations: no guard. A step's facts are wide numbers in either case: they are 10^8 times closer to the real
- * ones than the 1e-9 of a code that SPEC excuses. */
+/* For the oracle: SPEC's formulas, each written once. Included twice by oracle_chain.h, with REAL the kind of number
+ * and OF(name) its operations: no guard. A step's facts are wide numbers in either case: they are 10^8 times closer to
+ * the real ones than the 1e-9 of a code that SPEC excuses. */
 
-/* Y = 0.2126 R + 0.7152 G + 0.0722 B, or the Y row of the file's own primaries. Over 10000, so that R = G = B = Y exactly. */
+/* Y = 0.2126 R + 0.7152 G + 0.0722 B, or the Y row of the file's own primaries. Over 10000, so that R = G = B = Y
+ * exactly. */
 static REAL OF(luminance)(const oracle_weights *weights, int planes, const REAL c[3]) {
     static const oracle_number rec709[3] = {{"2126", 2126}, {"7152", 7152}, {"722", 722}};
     if (planes == 1) return c[0];
@@ -123,8 +124,8 @@ static REAL OF(srgb_decode)(REAL c) {
     return OF(power)(base, OF(number)(NUMBER(2.4)));
 }
 
-/* quantise: code = floor(v (2^b - 1) + 1/2), v clamped to [0,1]. Tells how far v lies from the boundary between two codes,
- * in codes. */
+/* quantise: code = floor(v (2^b - 1) + 1/2), v clamped to [0,1]. Tells how far v lies from the boundary between two
+ * codes, in codes. */
 static long OF(code)(REAL value, int bits, long double *distance) {
     REAL largest = OF(from)((long double)((1L << bits) - 1));
     REAL shifted = OF(add)(OF(multiply)(OF(within)(value, 0, 1), largest), OF(from)(0.5L));
@@ -168,16 +169,18 @@ static REAL OF(component)(const oracle_step *step, REAL c, long double *distance
     }
 }
 
-/* log --mode range with hi = lo jumps from 0 to 1 where Y = lo: there the last bit of a sum in double decides, so that a colour
- * within its reach is excused. Not a grey, whose Y is its value. */
+/* log --mode range with hi = lo jumps from 0 to 1 where Y = lo: there the last bit of a sum in double decides, so that
+ * a colour within its reach is excused. Not a grey, whose Y is its value. */
 static bool OF(at_jump)(const oracle_step *step, int planes, const REAL c[3]) {
-    if (step->verb != ORACLE_LOG || step->mode != ORACLE_RANGE || step->low_luminance != step->high_luminance) return false;
+    if (step->verb != ORACLE_LOG || step->mode != ORACLE_RANGE || step->low_luminance != step->high_luminance)
+        return false;
     if (planes == 1 || (!OF(compare)(c[0], c[1]) && !OF(compare)(c[0], c[2]))) return false;
     REAL difference = OF(subtract)(OF(luminance)(&step->weights, planes, c), OF(from)(step->low_luminance));
     return fabsl(OF(to)(difference)) <= 0x1p-51L * step->low_luminance;
 }
 
-/* Takes a pixel through steps. Lowers *nearest to the distance of the boundary that a quantise among them came nearest to. */
+/* Takes a pixel through steps. Lowers *nearest to the distance of the boundary that a quantise among them came nearest
+ * to. */
 static void OF(walk)(const oracle_step *steps, int count, int planes, REAL c[3], long double *nearest) {
     for (int s = 0; s < count; s++) {
         const oracle_step *step = &steps[s];

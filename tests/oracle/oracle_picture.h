@@ -17,8 +17,7 @@ typedef struct oracle_primaries {
     long double at[4][2];
 } oracle_primaries;
 
-static const oracle_primaries oracle_rec709 = {
-    {{0.64L, 0.33L}, {0.30L, 0.60L}, {0.15L, 0.06L}, {0.3127L, 0.3290L}}};
+static const oracle_primaries oracle_rec709 = {{{0.64L, 0.33L}, {0.30L, 0.60L}, {0.15L, 0.06L}, {0.3127L, 0.3290L}}};
 
 typedef struct oracle_picture {
     unsigned long serial; /* tells pictures apart */
@@ -80,8 +79,7 @@ static bool oracle_decode_chunk(exr_context_t context, const exr_chunk_info_t *i
         to->user_data_type = EXR_PIXEL_FLOAT;
         to->user_pixel_stride = sizeof(float);
         to->user_line_stride = (int32_t)((size_t)picture->width * sizeof(float));
-        to->decode_to_ptr =
-            (uint8_t *)(picture->plane[plane] + (size_t)y * (size_t)picture->width + (size_t)x);
+        to->decode_to_ptr = (uint8_t *)(picture->plane[plane] + (size_t)y * (size_t)picture->width + (size_t)x);
     }
     done = done && exr_decoding_choose_default_routines(context, 0, &decode) == EXR_ERR_SUCCESS &&
            exr_decoding_run(context, 0, &decode) == EXR_ERR_SUCCESS;
@@ -99,10 +97,10 @@ static bool oracle_decode(exr_context_t context, oracle_picture *picture) {
                   : exr_get_scanlines_per_chunk(context, 0, &high)) == EXR_ERR_SUCCESS;
     for (int y = 0; done && y < picture->height; y += high)
         for (int x = 0; done && x < picture->width; x += wide)
-            done = (tiled ? exr_read_tile_chunk_info(context, 0, x / wide, y / high, 0, 0, &info)
-                          : exr_read_scanline_chunk_info(context, 0, picture->data.min.y + y, &info)) ==
-                       EXR_ERR_SUCCESS &&
-                   oracle_decode_chunk(context, &info, picture, x, y);
+            done =
+                (tiled ? exr_read_tile_chunk_info(context, 0, x / wide, y / high, 0, 0, &info)
+                       : exr_read_scanline_chunk_info(context, 0, picture->data.min.y + y, &info)) == EXR_ERR_SUCCESS &&
+                oracle_decode_chunk(context, &info, picture, x, y);
     return done;
 }
 
@@ -160,9 +158,9 @@ static void oracle_repair(oracle_picture *picture, float *plane) {
         if (isfinite(plane[i]) && plane[i] > largest) largest = plane[i];
     for (size_t i = 0; i < picture->pixels; i++) {
         if (isfinite(plane[i])) continue;
-        *(isnan(plane[i])   ? &picture->nan
-          : plane[i] > 0 ? &picture->positive_infinity
-                         : &picture->negative_infinity) += 1;
+        *(isnan(plane[i]) ? &picture->nan
+          : plane[i] > 0  ? &picture->positive_infinity
+                          : &picture->negative_infinity) += 1;
         plane[i] = isnan(plane[i]) || plane[i] < 0 ? 0 : largest;
     }
 }
@@ -230,8 +228,8 @@ static void oracle_xyz(const long double xy[2], long double xyz[3]) {
     xyz[2] = (1 - xy[0] - xy[1]) / xy[1];
 }
 
-/* RGB to XYZ (SMPTE RP 177): columns are the primaries' (x, y, 1 - x - y), each scaled so that R = G = B = 1 gives white at
- * Y = 1. */
+/* RGB to XYZ (SMPTE RP 177): columns are the primaries' (x, y, 1 - x - y), each scaled so that R = G = B = 1 gives
+ * white at Y = 1. */
 static void oracle_rgb_to_xyz(const oracle_primaries *primaries, oracle_matrix m) {
     oracle_matrix columns, inverse;
     long double white[3];
@@ -279,7 +277,8 @@ static void oracle_adaptation(const long double from[2], oracle_matrix m) {
     oracle_product(back, scaled, m);
 }
 
-/* From the file's primaries to Rec.709's. White is not adapted for the primaries of XYZ itself, nor where adapt is false. */
+/* From the file's primaries to Rec.709's. White is not adapted for the primaries of XYZ itself, nor where adapt is
+ * false. */
 static void oracle_conversion(const oracle_picture *picture, bool adapt, oracle_matrix m) {
     static const long double xyz[3][2] = {{1, 0}, {0, 1}, {0, 0}};
     oracle_matrix to_xyz, rec709, from_xyz, adaptation, adapted;

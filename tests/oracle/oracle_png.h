@@ -1,4 +1,5 @@
-/* For the oracle: PNG and PFM files read back: a PNG's samples by libpng's own reader, its chunks by walking over them. */
+/* For the oracle: PNG and PFM files read back: a PNG's samples by libpng's own reader, its chunks by walking over them.
+ */
 #ifndef HDR_TESTS_ORACLE_PNG_H
 #define HDR_TESTS_ORACLE_PNG_H
 
@@ -42,9 +43,8 @@ static void oracle_png_unpack(png_structp png, png_infop info, oracle_png *pictu
     picture->samples = oracle_alloc(row * picture->height, sizeof *picture->samples);
     for (unsigned y = 0; y < picture->height; y++)
         for (size_t i = 0; i < row; i++)
-            picture->samples[y * row + i] = picture->depth == 8
-                                                ? rows[y][i]
-                                                : (uint16_t)(rows[y][2 * i] << 8 | rows[y][2 * i + 1]);
+            picture->samples[y * row + i] =
+                picture->depth == 8 ? rows[y][i] : (uint16_t)(rows[y][2 * i] << 8 | rows[y][2 * i + 1]);
 }
 
 /* The caller frees samples. */
@@ -88,7 +88,8 @@ static inline float *oracle_read_pfm(const void *bytes, size_t size, int *width,
     float scale;
     int length = 0;
     memcpy(head, bytes, size < sizeof head - 1 ? size : sizeof head - 1);
-    if (sscanf(head, "P%c %d %d %f%c%n", &kind, width, height, &scale, &newline, &length) < 5 || scale >= 0) return NULL;
+    if (sscanf(head, "P%c %d %d %f%c%n", &kind, width, height, &scale, &newline, &length) < 5 || scale >= 0)
+        return NULL;
     *colours = kind == 'F' ? 3 : 1;
     size_t row = (size_t)*width * (size_t)*colours;
     if (size != (size_t)length + row * (size_t)*height * 4) return NULL;

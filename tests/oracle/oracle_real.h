@@ -1,11 +1,12 @@
-/* For the oracle: two kinds of real numbers, so that each formula is written once (oracle_curve.h) and evaluated in both.
+/* For the oracle: two kinds of real numbers, so that each formula is written once (oracle_curve.h) and evaluated in
+ * both.
  *
  *   wide   long double: 64 bits of mantissa on x86-64, 113 on aarch64; powers are double, ten times faster, and good to
  *          1e-10 of a 16-bit code. Decides nearly every code.
  *   exact  MPFR with 192 bits. Decides where the wide value lies near a rounding boundary.
  *
- * An exact number is the index of a slot in an arena that is emptied before each evaluation, because a plain value can be
- * passed and returned, which an mpfr_t cannot. */
+ * An exact number is the index of a slot in an arena that is emptied before each evaluation, because a plain value can
+ * be passed and returned, which an mpfr_t cannot. */
 #ifndef HDR_TESTS_ORACLE_REAL_H
 #define HDR_TESTS_ORACLE_REAL_H
 

@@ -1,5 +1,5 @@
-/* For the oracle's tests: pictures made in memory, for what testdata does not hold: other primaries, alpha with borders,
- * alpha above 1, negative values, a wide range of floats. */
+/* For the oracle's tests: pictures made in memory, for what testdata does not hold: other primaries, alpha with
+ * borders, alpha above 1, negative values, a wide range of floats. */
 #ifndef HDR_TESTS_ORACLE_SCENES_H
 #define HDR_TESTS_ORACLE_SCENES_H
 
@@ -24,42 +24,126 @@ static const exr_attr_chromaticities_t scene_xyz = {1, 0, 0, 1, 0, 0, 1 / 3.0f, 
 /* Rec.709's to within 1e-5, so that nothing is converted. */
 static const exr_attr_chromaticities_t scene_rec709 = {0.640005f, 0.33f, 0.3f,    0.599995f,
                                                        0.15f,     0.06f, 0.3127f, 0.329f};
-static const exr_attr_chromaticities_t scene_exactly_rec709 = {0.64f, 0.33f, 0.3f,    0.6f,
-                                                               0.15f, 0.06f, 0.3127f, 0.329f};
+static const exr_attr_chromaticities_t scene_exactly_rec709 = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f};
 static const exr_attr_v2f_t scene_neutral = {{{0.3457f, 0.3585f}}};
 
-#define FRAME(left, top, right, bottom) {{.x = (left), .y = (top)}, {.x = (right), .y = (bottom)}}
+#define FRAME(left, top, right, bottom)                                                                                \
+    {                                                                                                                  \
+        {.x = (left), .y = (top)}, {                                                                                   \
+            .x = (right), .y = (bottom)                                                                                \
+        }                                                                                                              \
+    }
 
 static const oracle_scene oracle_scenes[] = {
-    {.name = "border with alpha", .channels = "ABGR", .type = EXR_PIXEL_HALF, .width = 61, .height = 37, .min_x = -7,
-     .min_y = 5, .display = FRAME(0, 0, 63, 49)},
-    {.name = "solid alpha with border", .channels = "ABGR", .type = EXR_PIXEL_HALF, .width = 20, .height = 20,
-     .min_x = 2, .min_y = 3, .display = FRAME(0, 0, 29, 25), .solid = true},
-    {.name = "solid alpha, cropped", .channels = "ABGR", .type = EXR_PIXEL_FLOAT, .width = 33, .height = 21,
-     .min_x = -4, .min_y = -4, .display = FRAME(0, 0, 19, 11), .solid = true},
-    {.name = "windows apart", .channels = "BGR", .type = EXR_PIXEL_HALF, .width = 9, .height = 7, .min_x = 100,
-     .min_y = -50, .display = FRAME(-3, -3, 12, 12)},
-    {.name = "BT.2020", .channels = "BGR", .type = EXR_PIXEL_HALF, .width = 67, .height = 45,
-     .display = FRAME(0, 0, 66, 44), .primaries = &scene_bt2020},
-    {.name = "ACES with alpha", .channels = "ABGR", .type = EXR_PIXEL_HALF, .width = 41, .height = 40,
-     .display = FRAME(0, 0, 40, 39), .primaries = &scene_aces},
-    {.name = "BT.2020 with neutral", .channels = "BGR", .type = EXR_PIXEL_FLOAT, .width = 31, .height = 31,
-     .display = FRAME(0, 0, 30, 30), .primaries = &scene_bt2020, .neutral = &scene_neutral},
-    {.name = "XYZ", .channels = "BGR", .type = EXR_PIXEL_HALF, .width = 31, .height = 31,
-     .display = FRAME(0, 0, 30, 30), .primaries = &scene_xyz},
-    {.name = "almost Rec.709", .channels = "BGR", .type = EXR_PIXEL_HALF, .width = 31, .height = 31,
-     .display = FRAME(0, 0, 30, 30), .primaries = &scene_rec709},
-    {.name = "Rec.709 by name", .channels = "BGR", .type = EXR_PIXEL_HALF, .width = 16, .height = 16,
-     .display = FRAME(0, 0, 15, 15), .primaries = &scene_exactly_rec709},
-    {.name = "grey of BT.2020", .channels = "BGR", .type = EXR_PIXEL_HALF, .width = 31, .height = 31,
-     .display = FRAME(0, 0, 30, 30), .primaries = &scene_bt2020, .grey = true},
-    {.name = "grey, three planes, alpha", .channels = "ABGR", .type = EXR_PIXEL_FLOAT, .width = 50, .height = 30,
-     .display = FRAME(-1, -1, 50, 30), .grey = true},
-    {.name = "luminance with alpha", .channels = "AY", .type = EXR_PIXEL_HALF, .width = 50, .height = 30,
+    {.name = "border with alpha",
+     .channels = "ABGR",
+     .type = EXR_PIXEL_HALF,
+     .width = 61,
+     .height = 37,
+     .min_x = -7,
+     .min_y = 5,
+     .display = FRAME(0, 0, 63, 49)},
+    {.name = "solid alpha with border",
+     .channels = "ABGR",
+     .type = EXR_PIXEL_HALF,
+     .width = 20,
+     .height = 20,
+     .min_x = 2,
+     .min_y = 3,
+     .display = FRAME(0, 0, 29, 25),
+     .solid = true},
+    {.name = "solid alpha, cropped",
+     .channels = "ABGR",
+     .type = EXR_PIXEL_FLOAT,
+     .width = 33,
+     .height = 21,
+     .min_x = -4,
+     .min_y = -4,
+     .display = FRAME(0, 0, 19, 11),
+     .solid = true},
+    {.name = "windows apart",
+     .channels = "BGR",
+     .type = EXR_PIXEL_HALF,
+     .width = 9,
+     .height = 7,
+     .min_x = 100,
+     .min_y = -50,
+     .display = FRAME(-3, -3, 12, 12)},
+    {.name = "BT.2020",
+     .channels = "BGR",
+     .type = EXR_PIXEL_HALF,
+     .width = 67,
+     .height = 45,
+     .display = FRAME(0, 0, 66, 44),
+     .primaries = &scene_bt2020},
+    {.name = "ACES with alpha",
+     .channels = "ABGR",
+     .type = EXR_PIXEL_HALF,
+     .width = 41,
+     .height = 40,
+     .display = FRAME(0, 0, 40, 39),
+     .primaries = &scene_aces},
+    {.name = "BT.2020 with neutral",
+     .channels = "BGR",
+     .type = EXR_PIXEL_FLOAT,
+     .width = 31,
+     .height = 31,
+     .display = FRAME(0, 0, 30, 30),
+     .primaries = &scene_bt2020,
+     .neutral = &scene_neutral},
+    {.name = "XYZ",
+     .channels = "BGR",
+     .type = EXR_PIXEL_HALF,
+     .width = 31,
+     .height = 31,
+     .display = FRAME(0, 0, 30, 30),
+     .primaries = &scene_xyz},
+    {.name = "almost Rec.709",
+     .channels = "BGR",
+     .type = EXR_PIXEL_HALF,
+     .width = 31,
+     .height = 31,
+     .display = FRAME(0, 0, 30, 30),
+     .primaries = &scene_rec709},
+    {.name = "Rec.709 by name",
+     .channels = "BGR",
+     .type = EXR_PIXEL_HALF,
+     .width = 16,
+     .height = 16,
+     .display = FRAME(0, 0, 15, 15),
+     .primaries = &scene_exactly_rec709},
+    {.name = "grey of BT.2020",
+     .channels = "BGR",
+     .type = EXR_PIXEL_HALF,
+     .width = 31,
+     .height = 31,
+     .display = FRAME(0, 0, 30, 30),
+     .primaries = &scene_bt2020,
+     .grey = true},
+    {.name = "grey, three planes, alpha",
+     .channels = "ABGR",
+     .type = EXR_PIXEL_FLOAT,
+     .width = 50,
+     .height = 30,
+     .display = FRAME(-1, -1, 50, 30),
+     .grey = true},
+    {.name = "luminance with alpha",
+     .channels = "AY",
+     .type = EXR_PIXEL_HALF,
+     .width = 50,
+     .height = 30,
      .display = FRAME(0, 0, 49, 29)},
-    {.name = "floats", .channels = "BGR", .type = EXR_PIXEL_FLOAT, .width = 203, .height = 101,
+    {.name = "floats",
+     .channels = "BGR",
+     .type = EXR_PIXEL_FLOAT,
+     .width = 203,
+     .height = 101,
      .display = FRAME(0, 0, 202, 100)},
-    {.name = "no green", .channels = "BR", .type = EXR_PIXEL_HALF, .width = 29, .height = 11,
+    {.name = "no green",
+     .channels = "BR",
+     .type = EXR_PIXEL_HALF,
+     .width = 29,
+     .height = 11,
      .display = FRAME(0, 0, 28, 10)},
 };
 
@@ -118,12 +202,12 @@ static bool scene_write(recipe *r, const oracle_scene *scene, file_bytes *file) 
     const exr_attr_box2i_t data = FRAME(r->min_x, r->min_y, r->min_x + r->width - 1, r->min_y + r->height - 1);
     int part = 0;
     *file = (file_bytes){NULL, 0};
-    bool done = exr_start_write(&context, "memory", EXR_WRITE_FILE_DIRECTLY, &initializer) == EXR_ERR_SUCCESS &&
-                exr_add_part(context, "", EXR_STORAGE_SCANLINE, &part) == EXR_ERR_SUCCESS &&
-                exr_initialize_required_attr_simple(context, 0, r->width, r->height, r->compression) ==
-                    EXR_ERR_SUCCESS &&
-                exr_set_data_window(context, 0, &data) == EXR_ERR_SUCCESS &&
-                exr_set_display_window(context, 0, &scene->display) == EXR_ERR_SUCCESS;
+    bool done =
+        exr_start_write(&context, "memory", EXR_WRITE_FILE_DIRECTLY, &initializer) == EXR_ERR_SUCCESS &&
+        exr_add_part(context, "", EXR_STORAGE_SCANLINE, &part) == EXR_ERR_SUCCESS &&
+        exr_initialize_required_attr_simple(context, 0, r->width, r->height, r->compression) == EXR_ERR_SUCCESS &&
+        exr_set_data_window(context, 0, &data) == EXR_ERR_SUCCESS &&
+        exr_set_display_window(context, 0, &scene->display) == EXR_ERR_SUCCESS;
     if (done && scene->primaries)
         done = exr_attr_set_chromaticities(context, 0, "chromaticities", scene->primaries) == EXR_ERR_SUCCESS;
     if (done && scene->neutral)
