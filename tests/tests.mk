@@ -30,3 +30,4 @@ check: check-deps
 .PHONY: check-built
 check-built: all $(TEST_PROGRAMS) $(BUILD)/testdata/render $(BUILD)/testdata/tiny
 	BUILD=$(BUILD) CC='$(CC)' sh tests/run.sh $(TEST_PROGRAMS) $(TEST_SCRIPTS)
+include tests/oracle/oracle.mk

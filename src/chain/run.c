@@ -371,7 +371,8 @@ typedef struct facts_sweep {
     hdr_run *run;
     hdr_taking *taking;
     bool whole;  /* all channels are wanted, even if they are equal */
-    bool reduce; /* one plane stands for three equal ones: the same in all sweeps of a taking, whose counts go together */
+    bool reduce; /* one plane stands for three equal ones: the same in all sweeps of a taking, whose counts go together
+                  */
 } facts_sweep;
 
 static hdr_status facts_before(void *context, int *items, hdr_error *err) {

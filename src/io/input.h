@@ -1,13 +1,13 @@
-/* Bytes by position: from a file (pread: no mapping, since a file that shrinks meanwhile would be a SIGBUS), from a pipe (a thread
- * reads ahead into memory, while the chunks that have come are decoded), or from memory. */
+/* Bytes by position: from a file (pread: no mapping, since a file that shrinks meanwhile would be a SIGBUS), from a
+ * pipe (a thread reads ahead into memory, while the chunks that have come are decoded), or from memory. */
 #ifndef HDR_INPUT_H
 #define HDR_INPUT_H
 
 #include "base/base.h"
 
-/* Reads size bytes at offset, counted from the start of the picture file: behind the head, once hdr_input_skip was told its
- * length. From a pipe it waits for them. Fewer than size only at the end of the data. Returns the count, or -1 with err
- * filled (HDR_IO). Threads may call it at the same time. */
+/* Reads size bytes at offset, counted from the start of the picture file: behind the head, once hdr_input_skip was told
+ * its length. From a pipe it waits for them. Fewer than size only at the end of the data. Returns the count, or -1 with
+ * err filled (HDR_IO). Threads may call it at the same time. */
 int64_t hdr_input_read(hdr_input *input, void *buffer, uint64_t size, uint64_t offset, hdr_error *err);
 
 /* Bytes behind the head, or -1 while a pipe's end has not come. */
@@ -19,10 +19,10 @@ void hdr_input_skip(hdr_input *input, uint64_t length);
 /* For messages: the file's name, or "standard input". */
 const char *hdr_input_name(const hdr_input *input);
 
-/* Copies all bytes from the picture's beginning to descriptor, without touching them where the kernel can do it (splice,
- * sendfile, else read and write). Of a pipe only what has been read so far is in memory: it must not have been given to the
- * reading thread (hdr_input_read for offsets beyond the first 64 KiB) before. A closed pipe is SIGPIPE's matter: EPIPE
- * is HDR_IO. */
+/* Copies all bytes from the picture's beginning to descriptor, without touching them where the kernel can do it
+ * (splice, sendfile, else read and write). Of a pipe only what has been read so far is in memory: it must not have been
+ * given to the reading thread (hdr_input_read for offsets beyond the first 64 KiB) before. A closed pipe is SIGPIPE's
+ * matter: EPIPE is HDR_IO. */
 hdr_status hdr_input_forward(hdr_input *input, int descriptor, hdr_error *err);
 
 /* The pixels of hdr_input_planes, or NULL for a file. */

@@ -1,4 +1,5 @@
-/* A sink: takes bands of finished samples, packs each on the thread that made it, and delivers the packed bytes in order. */
+/* A sink: takes bands of finished samples, packs each on the thread that made it, and delivers the packed bytes in
+ * order. */
 #ifndef HDR_SINK_H
 #define HDR_SINK_H
 
@@ -15,15 +16,15 @@ typedef enum hdr_sample {
 
 /* The picture that is to be written. */
 typedef struct hdr_frame {
-    int width, height; /* of the window that is written; at least 1 */
+    int width, height;        /* of the window that is written; at least 1 */
     hdr_window data, display; /* what EXR's header says; data is the window that is written */
     int planes;               /* 1 or 3 */
     bool alpha;
     hdr_sample sample;
-    int bits;                 /* codes: significant bits, 1 ... 16 */
-    const char *state;        /* "linear", "srgb", "gamma 2.2" */
-    double gamma;             /* state "gamma G": G */
-    bool has_chromaticities;  /* the pixels' primaries are these, not Rec.709 */
+    int bits;                /* codes: significant bits, 1 ... 16 */
+    const char *state;       /* "linear", "srgb", "gamma 2.2" */
+    double gamma;            /* state "gamma G": G */
+    bool has_chromaticities; /* the pixels' primaries are these, not Rec.709 */
     hdr_chromaticities chromaticities;
     float pixel_aspect;
 } hdr_frame;
@@ -48,8 +49,9 @@ struct hdr_sink {
     hdr_status (*begin)(hdr_sink *sink, hdr_error *err);
     /* One packer per thread holds the buffers. */
     hdr_status (*packer_new)(hdr_sink *sink, void **packer, hdr_error *err);
-    /* Packs a band of rows (any thread, any order; several at a time). samples: rows * hdr_frame_row_bytes, may be overwritten. The
-     * packed bytes stay in the packer until its next pack. first: band of the frame's row 0; last: that of its last row. */
+    /* Packs a band of rows (any thread, any order; several at a time). samples: rows * hdr_frame_row_bytes, may be
+     * overwritten. The packed bytes stay in the packer until its next pack. first: band of the frame's row 0; last:
+     * that of its last row. */
     hdr_status (*pack)(hdr_sink *sink, void *packer, int first_row, int rows, void *samples, hdr_error *err);
     /* Writes the band that the packer holds. Called in the order of the rows, one at a time. */
     hdr_status (*deliver)(hdr_sink *sink, void *packer, hdr_error *err);

@@ -20,8 +20,9 @@ struct hdr_source {
     void (*close)(hdr_source *source);
 };
 
-/* Recognises the format by the first bytes and opens it. An input that is empty, of unknown form or damaged: HDR_BAD_DATA, the
- * message begins with the input's name. memory: no more bytes than that are allocated on the word of a header. */
+/* Recognises the format by the first bytes and opens it. An input that is empty, of unknown form or damaged:
+ * HDR_BAD_DATA, the message begins with the input's name. memory: no more bytes than that are allocated on the word of
+ * a header. */
 hdr_source *hdr_source_open(hdr_input *input, uint64_t memory, hdr_error *err);
 void hdr_source_close(hdr_source *source);
 

@@ -10,7 +10,8 @@
  * "ulp" below is the distance of neighbouring doubles in the binade of the exact result. Each bound is asserted against
  * MPFR by tests/unit/test_real.c; "measured" is the largest error seen there over some 10^7 points.
  *
- * Outside the stated domain (negative numbers, NaN, infinities) the result is some value, NaN included, never a fault. */
+ * Outside the stated domain (negative numbers, NaN, infinities) the result is some value, NaN included, never a fault.
+ */
 #ifndef HDR_KERNEL_REAL_H
 #define HDR_KERNEL_REAL_H
 
