@@ -142,17 +142,36 @@ static int available_cores(void) {
     return cores < 1 ? 1 : cores > 1024 ? 1024 : cores;
 }
 
-/* -j, else HDR_THREADS where it is a number that -j would take, else the cores. */
-static int thread_count(const hdr_common *common) {
-    if (common->threads.word < 0) return (int)common->threads.value;
+/* HDR_THREADS, where it is set, as -j would take it. */
+static hdr_status environment_threads(hdr_number *threads, hdr_error *err) {
     const char *text = getenv("HDR_THREADS");
-    hdr_common environment = *common;
+    hdr_common common = {.threads = {.word = 0}};
     hdr_options given = {0};
-    const hdr_option *option = hdr_option_find(common_options, "threads");
-    bool valid =
-        text && hdr_option_set(option, text, &environment, &given, NULL) == HDR_OK && environment.threads.word < 0;
+    hdr_status status =
+        text ? hdr_option_set(hdr_option_find(common_options, "threads"), text, &common, &given, err) : HDR_OK;
     hdr_options_free(&given);
-    return valid ? (int)environment.threads.value : available_cores();
+    *threads = common.threads;
+    return status;
+}
+
+/* The environment is checked like the command line: a wrong word there is not to be passed over in silence. */
+static hdr_status check_environment(hdr_error *err) {
+    hdr_number threads;
+    hdr_error own = {0};
+    const char *cpu = getenv("HDR_CPU");
+    bool known = !cpu;
+    for (int level = HDR_CPU_C; cpu && level <= HDR_CPU_AVX512; level++)
+        known |= !strcmp(cpu, hdr_cpu_name((hdr_cpu_level)level));
+    if (!known) return hdr_fail(err, HDR_USAGE, "HDR_CPU is '%.40s': it may be c, sse2, avx2 or avx512", cpu);
+    if (environment_threads(&threads, &own)) return hdr_fail(err, HDR_USAGE, "HDR_THREADS: %s", own.message);
+    return HDR_OK;
+}
+
+/* -j, else HDR_THREADS, else the cores. */
+static int thread_count(const hdr_common *common) {
+    hdr_number threads = common->threads;
+    if (threads.word >= 0 && environment_threads(&threads, NULL)) return available_cores();
+    return threads.word < 0 ? (int)threads.value : available_cores();
 }
 
 const hdr_settings *hdr_chain_settings(const hdr_chain *chain) {
@@ -273,6 +292,8 @@ static hdr_status add_file(hdr_chain *chain, const char *file, hdr_error *err) {
 /* A new clause at the end, with its defaults. */
 static hdr_status open_clause(hdr_chain *chain, const char *name, hdr_clause **clause, hdr_error *err) {
     const hdr_verb *verb = hdr_verb_find(name);
+    if (!verb && name[0] == '-')
+        return hdr_fail(err, HDR_USAGE, "a verb is missing before '%.100s': options come after it", name);
     if (!verb) return hdr_fail(err, HDR_USAGE, "unknown verb '%.100s'; hdr --help lists them", name);
     const hdr_verb_about *last = hdr_chain_last(chain);
     if (last && last->kind != HDR_FILTER)
@@ -359,6 +380,7 @@ hdr_status hdr_chain_add(hdr_chain *chain, const char *const word[], int count, 
 
 hdr_status hdr_chain_parse(hdr_chain *chain, int count, const char *const word[], hdr_error *err) {
     words from = {word, count, 0};
+    if (check_environment(err)) return HDR_USAGE;
     for (;;) {
         if (from.next >= from.count)
             return hdr_fail(err, HDR_USAGE, count ? "a verb is missing after '%s'" : "a verb is missing%s",

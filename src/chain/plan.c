@@ -147,24 +147,27 @@ static hdr_status plan_filters(planning *p, hdr_error *err) {
 
 /* ---- Formats ---- */
 
+static const hdr_verb *format_of_ending(const char *ending) {
+    for (int i = 0; hdr_verb_number(i); i++) {
+        const hdr_verb *verb = hdr_verb_number(i);
+        if (verb->format && !strcasecmp(verb->format->extension, ending)) return verb;
+    }
+    return NULL;
+}
+
 /* The format that is written: the last clause's, or by the ending of the output's name, or EXR. */
 static hdr_status choose_format(const hdr_chain *chain, const hdr_output *output, const hdr_verb **verb,
                                 hdr_error *err) {
     const hdr_clause *last = chain->count ? &chain->clauses[chain->count - 1] : NULL;
     if (last && last->verb->about.kind == HDR_PROGRAM)
         return hdr_fail(err, HDR_USAGE, "%s writes no picture", last->verb->about.name);
-    *verb = last && last->verb->format ? last->verb : NULL;
-    if (*verb) return HDR_OK;
     const char *name = hdr_output_name(output), *slash = strrchr(name, '/');
     const char *ending = strrchr(slash ? slash : name, '.');
-    *verb = hdr_verb_find("exr");
-    if (!ending) return HDR_OK;
-    for (int i = 0; hdr_verb_number(i); i++) {
-        const hdr_verb *candidate = hdr_verb_number(i);
-        if (!candidate->format || strcasecmp(candidate->format->extension, ending)) continue;
-        *verb = candidate;
-        return HDR_OK;
-    }
+    const hdr_verb *named = ending ? format_of_ending(ending) : NULL;
+    *verb = last && last->verb->format ? last->verb : ending ? named : hdr_verb_find("exr");
+    if (*verb && named && named != *verb)
+        return hdr_fail(err, HDR_USAGE, "%s: the chain ends in %s, which is no %s", name, (*verb)->about.name, ending);
+    if (*verb) return HDR_OK;
     return hdr_fail(err, HDR_USAGE, "%s: the ending %s is of no format that hdrpipe writes (.png .exr .pfm)", name,
                     ending);
 }
@@ -193,8 +196,8 @@ static hdr_status write_picture(planning *p, const hdr_verb *format, hdr_output 
     if (!status && !format->format->alpha && !p->run->raw.opaque)
         hdr_say(p->run->listener, HDR_NOTE, "%s has no alpha: it is left out", format->about.name);
     if (!status)
-        hdr_say(p->run->listener, HDR_EXPLAIN, "sweep %d: %d steps, to %s", p->run->sweeps, p->run->step_count,
-                format->about.name);
+        hdr_say(p->run->listener, HDR_EXPLAIN, "sweep %d: %d step%s, to %s", p->run->sweeps, p->run->step_count,
+                p->run->step_count == 1 ? "" : "s", format->about.name);
     free(params);
     return status;
 }
@@ -215,12 +218,12 @@ static void say_filtered(void *context, hdr_message kind, const char *line) {
 
 /* Puts the input's name in front, unless the message begins with it. */
 static hdr_status with_name(hdr_error *err, const hdr_error *own, hdr_input *input) {
-    const char *name = hdr_input_name(input);
-    size_t length = strlen(name);
-    bool named = !strncmp(own->message, name, length) && own->message[length] == ':';
+    hdr_error prefix = {0};
+    hdr_fail(&prefix, own->status, "%s:", hdr_input_name(input)); /* the name as messages have it: printable */
+    bool named = !strncmp(own->message, prefix.message, strlen(prefix.message));
     if (named || own->status == HDR_USAGE || own->status == HDR_CANT_CREATE || own->status == HDR_IO)
         return hdr_fail(err, own->status, "%s", own->message);
-    return hdr_fail(err, own->status, "%s: %s", name, own->message);
+    return hdr_fail(err, own->status, "%s %s", prefix.message, own->message);
 }
 
 /* What is done with a planned chain. */

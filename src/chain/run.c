@@ -25,6 +25,7 @@ static hdr_status open_threads(hdr_run *run, hdr_error *err) {
 hdr_status hdr_run_open(hdr_run *run, const hdr_chain *chain, hdr_input *input, const hdr_listener *listener,
                         hdr_error *err) {
     *run = (hdr_run){.chain = chain, .settings = *hdr_chain_settings(chain), .listener = listener};
+    run->name = hdr_input_name(input);
     run->source = hdr_source_open(input, run->settings.memory, err);
     if (!run->source) return err->status;
     run->thread_count = run->settings.threads < run->source->blocks ? run->settings.threads : run->source->blocks;
@@ -37,10 +38,9 @@ hdr_status hdr_run_open(hdr_run *run, const hdr_chain *chain, hdr_input *input, 
     for (int c = 0; c < 4; c++)
         if (picture->present[c])
             run->kept_row += hdr_type_size(picture->channels[c].type) * (size_t)hdr_window_width(&picture->data);
-    hdr_say(listener, HDR_DETAIL, "%s: %lld x %lld, %s, %s, %d threads, %s kernels, %.0f MB of memory",
-            hdr_input_name(input), (long long)hdr_window_width(&picture->data),
-            (long long)hdr_window_height(&picture->data), picture->storage, picture->compression, run->thread_count,
-            hdr_cpu_name(hdr_cpu()), (double)run->settings.memory * 1e-6);
+    hdr_say(listener, HDR_DETAIL, "%s: %lld x %lld, %s, %s; threads: %d; kernels: %s; memory: %.0f MB", run->name,
+            (long long)hdr_window_width(&picture->data), (long long)hdr_window_height(&picture->data), picture->storage,
+            picture->compression, run->thread_count, hdr_cpu_name(hdr_cpu()), (double)run->settings.memory * 1e-6);
     return open_threads(run, err);
 }
 
@@ -259,23 +259,23 @@ static hdr_watch merge_watches(const hdr_run *run) {
     return all;
 }
 
-static void count_of(char *text, size_t size, uint64_t count, const char *what, const char *became) {
+static void count_of(char *text, size_t size, uint64_t count, const char *what) {
     size_t used = strlen(text);
-    if (count)
-        snprintf(text + used, size - used, "%s%llu %s (%s)", used ? ", " : "", (unsigned long long)count, what, became);
+    if (count) snprintf(text + used, size - used, "%s%llu %s", used ? ", " : "", (unsigned long long)count, what);
 }
 
-/* The repaired components, said once. */
+/* The components that are no finite numbers, said once. */
 static hdr_status report_repairs(const hdr_run *run, hdr_error *err) {
     const hdr_raw *raw = &run->raw;
+    bool strict = run->settings.strict;
     char text[300] = "";
-    count_of(text, sizeof text, raw->nan, "NaN", "now 0");
-    count_of(text, sizeof text, raw->negative_infinity, "-Inf", "now 0");
-    count_of(text, sizeof text, raw->positive_infinity, "+Inf", "now the channel's largest finite value");
+    count_of(text, sizeof text, raw->nan, strict ? "NaN" : "NaN (now 0)");
+    count_of(text, sizeof text, raw->negative_infinity, strict ? "-Inf" : "-Inf (now 0)");
+    count_of(text, sizeof text, raw->positive_infinity,
+             strict ? "+Inf" : "+Inf (now the channel's largest finite value)");
     if (!text[0]) return HDR_OK;
-    if (run->settings.strict)
-        return hdr_fail(err, HDR_BAD_DATA, "components that are no finite numbers: %s; --strict", text);
-    hdr_say(run->listener, HDR_NOTE, "repaired components: %s", text);
+    if (strict) return hdr_fail(err, HDR_BAD_DATA, "components that are no finite numbers: %s", text);
+    hdr_say(run->listener, HDR_NOTE, "%s: repaired components: %s", run->name, text);
     return HDR_OK;
 }
 
@@ -315,12 +315,12 @@ hdr_status hdr_run_sweep(hdr_run *run, const hdr_sweep *sweep, hdr_error *err) {
         if (met.colour && raw->grey) raw->grey = false, again = true;
         if (met.translucent && raw->opaque) raw->opaque = false, again = true;
         if (again) {
-            hdr_say(run->listener, HDR_EXPLAIN,
-                    "the picture is not what its middle looked like: the sweep begins again");
+            hdr_say(run->listener, HDR_EXPLAIN, "the sweep begins again: it has met %s",
+                    met.infinity ? "an infinity" : met.colour ? "a colour" : "an alpha below 1");
             continue;
         }
         run->sweeps++;
-        hdr_say(run->listener, HDR_DETAIL, "sweep %d: %d bands, %.1f ms", run->sweeps, items, milliseconds() - started);
+        hdr_say(run->listener, HDR_DETAIL, "sweep %d: %.1f ms", run->sweeps, milliseconds() - started);
         if (raw->certain) return HDR_OK;
         bool changed = learn(run, &met);
         raw->certain = true;

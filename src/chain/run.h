@@ -38,6 +38,7 @@ typedef struct hdr_run {
     const hdr_chain *chain;
     hdr_settings settings;
     const hdr_listener *listener;
+    const char *name; /* the input's */
     hdr_source *source;
     hdr_pool *pool;
     hdr_thread *threads;

@@ -282,7 +282,7 @@ static void explain_tail(const writing *w) {
                 "each channel by itself from half: a table of 65536 codes stands for the whole chain");
     else if (w->tabulated)
         hdr_say(run->listener, HDR_EXPLAIN,
-                "the last %d of %d steps: 255 thresholds stand for them, only 256 codes can come out",
+                "the last %d of %d: 255 thresholds stand for these steps, since only 256 codes can come out",
                 run->step_count - w->tail, run->step_count);
     if (run->source->picture.planes == 3 && w->frame.planes == 1)
         hdr_say(run->listener, HDR_EXPLAIN, "R = G = B everywhere: one plane is computed and written");

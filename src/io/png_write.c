@@ -104,9 +104,13 @@ static void write_chromaticities(png_sink *self) {
     png_write_chunk(self->png, (png_const_bytep) "cHRM", data, sizeof data);
 }
 
+/* Readers, libpng among them, take no value outside of these for meant: an exponent so extreme is left unsaid. */
+enum { GAMMA_LEAST = 16, GAMMA_MOST = 625000000 };
+
 static void write_gamma(png_sink *self, double encoding_exponent) {
     uint8_t data[4];
-    if (chunk_fraction(encoding_exponent, data))
+    double scaled = encoding_exponent * 100000;
+    if (scaled >= GAMMA_LEAST && scaled <= GAMMA_MOST && chunk_fraction(encoding_exponent, data))
         png_write_chunk(self->png, (png_const_bytep) "gAMA", data, sizeof data);
 }
 

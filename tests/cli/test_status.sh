@@ -339,10 +339,22 @@ for moment in 00 01 02 03 04 05 06 07 08; do
     check "ended after 0.$moment s: nothing else" empty_directory "$work/out"
 done
 
+# ---- Formats and endings ----------------------------------------------------------------------------------------
+
+refused 64 'a format and the ending of another' "$hdr" png -o "$work/out/a.exr" testdata/glossy.exr
+expect_status 0 'a format and an ending of none' "$hdr" png -o "$work/out/a.picture" testdata/glossy.exr
+rm -f "$work/out/a.picture"
+refused 64 'nonsense in HDR_THREADS' env HDR_THREADS=many "$hdr" log -o "$work/out/a.exr" testdata/glossy.exr
+refused 64 'nonsense in HDR_CPU' env HDR_CPU=fast "$hdr" log -o "$work/out/a.exr" testdata/glossy.exr
+
 # ---- Bad pixels --------------------------------------------------------------------------------------------------
 
 for verb in png exr log stats; do
-    if [ $verb = stats ]; then set -- "$hdr" stats; else set -- "$hdr" $verb -o "$work/out/a.exr"; fi
+    case $verb in
+    stats) set -- "$hdr" stats ;;
+    png) set -- "$hdr" png -o "$work/out/a.png" ;;
+    *) set -- "$hdr" "$verb" -o "$work/out/a.exr" ;;
+    esac
     refused 65 "$verb --strict" "$@" --strict "$specials"
     check "$verb --strict: one line" one_line_with "$specials"
 done
