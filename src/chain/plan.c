@@ -315,7 +315,7 @@ hdr_status hdr_input_picture(hdr_input *input, hdr_picture *picture, hdr_error *
     hdr_error own = {0};
     hdr_chain *none = hdr_chain_new(&own);
     hdr_chain *head = none ? hdr_chain_behind_head(none, input, &own) : NULL;
-    hdr_source *source = head ? hdr_source_open(input, hdr_memory_default(), &own) : NULL;
+    hdr_source *source = head ? hdr_source_open(input, &(hdr_reading){.memory = hdr_memory_default()}, &own) : NULL;
     if (source) *picture = source->picture;
     hdr_source_close(source);
     hdr_chain_free(head);

@@ -26,7 +26,7 @@ hdr_status hdr_run_open(hdr_run *run, const hdr_chain *chain, hdr_input *input, 
                         hdr_error *err) {
     *run = (hdr_run){.chain = chain, .settings = *hdr_chain_settings(chain), .listener = listener};
     run->name = hdr_input_name(input);
-    run->source = hdr_source_open(input, run->settings.memory, err);
+    run->source = hdr_source_open(input, &(hdr_reading){.memory = run->settings.memory}, err);
     if (!run->source) return err->status;
     run->thread_count = run->settings.threads < run->source->blocks ? run->settings.threads : run->source->blocks;
     if (run->thread_count < 1) run->thread_count = 1;
@@ -316,7 +316,9 @@ hdr_status hdr_run_sweep(hdr_run *run, const hdr_sweep *sweep, hdr_error *err) {
         if (met.translucent && raw->opaque) raw->opaque = false, again = true;
         if (again) {
             hdr_say(run->listener, HDR_EXPLAIN, "the sweep begins again: it has met %s",
-                    met.infinity ? "an infinity" : met.colour ? "a colour" : "an alpha below 1");
+                    met.infinity ? "an infinity"
+                    : met.colour ? "a colour"
+                                 : "an alpha below 1");
             continue;
         }
         run->sweeps++;

@@ -351,7 +351,7 @@ static hdr_status lay_out(struct exr_source *source, uint64_t memory, hdr_error 
     return HDR_OK;
 }
 
-hdr_source *hdr_exr_open(hdr_input *input, uint64_t memory, hdr_error *err) {
+hdr_source *hdr_exr_open(hdr_input *input, const hdr_reading *reading, hdr_error *err) {
     struct exr_source *source = hdr_alloc(1, sizeof *source);
     if (!source) {
         hdr_fail(err, HDR_INTERNAL, "out of memory");
@@ -363,7 +363,7 @@ hdr_source *hdr_exr_open(hdr_input *input, uint64_t memory, hdr_error *err) {
     source->base.worker_free = worker_free;
     source->base.close = close_source;
     hdr_status status = hdr_exr_header_read(input, &source->header, err);
-    if (status == HDR_OK) status = lay_out(source, memory, err);
+    if (status == HDR_OK) status = lay_out(source, reading->memory, err);
     if (status == HDR_OK) status = read_table(source, err);
     if (status != HDR_OK) {
         close_source(&source->base);

@@ -51,13 +51,13 @@ static hdr_status refuse(hdr_input *input, const unsigned char *bytes, size_t co
     return hdr_fail(err, HDR_BAD_DATA, "%s: not a picture that hdrpipe reads (EXR); it begins with \"%s\"", name, text);
 }
 
-hdr_source *hdr_source_open(hdr_input *input, uint64_t memory, hdr_error *err) {
+hdr_source *hdr_source_open(hdr_input *input, const hdr_reading *reading, hdr_error *err) {
     if (hdr_input_get_planes(input)) return hdr_planes_open(input, err);
     unsigned char start[LOOKED_AT];
     int64_t count = hdr_input_read(input, start, sizeof start, 0, err);
     if (count < 0) return NULL;
     if ((size_t)count >= sizeof exr_magic && memcmp(start, exr_magic, sizeof exr_magic) == 0)
-        return hdr_exr_open(input, memory, err);
+        return hdr_exr_open(input, reading, err);
     refuse(input, start, (size_t)count, err);
     return NULL;
 }

@@ -20,14 +20,18 @@ struct hdr_source {
     void (*close)(hdr_source *source);
 };
 
+/* How a file is read. */
+typedef struct hdr_reading {
+    uint64_t memory; /* no more bytes than that are allocated on the word of a header */
+} hdr_reading;
+
 /* Recognises the format by the first bytes and opens it. An input that is empty, of unknown form or damaged:
- * HDR_BAD_DATA, the message begins with the input's name. memory: no more bytes than that are allocated on the word of
- * a header. */
-hdr_source *hdr_source_open(hdr_input *input, uint64_t memory, hdr_error *err);
+ * HDR_BAD_DATA, the message begins with the input's name. */
+hdr_source *hdr_source_open(hdr_input *input, const hdr_reading *reading, hdr_error *err);
 void hdr_source_close(hdr_source *source);
 
 /* The formats. */
-hdr_source *hdr_exr_open(hdr_input *input, uint64_t memory, hdr_error *err);
+hdr_source *hdr_exr_open(hdr_input *input, const hdr_reading *reading, hdr_error *err);
 hdr_source *hdr_planes_open(hdr_input *input, hdr_error *err);
 
 #endif

@@ -99,7 +99,7 @@ static hdr_status read_source(hdr_source *source, image *image, hdr_error *error
 
 static hdr_status read_input(hdr_input *input, image *image, hdr_error *error) {
     memset(image, 0, sizeof *image);
-    hdr_source *source = input ? hdr_source_open(input, MEMORY, error) : NULL;
+    hdr_source *source = input ? hdr_source_open(input, &(hdr_reading){.memory = MEMORY}, error) : NULL;
     if (source) read_source(source, image, error);
     hdr_source_close(source);
     return error->status;
@@ -109,7 +109,7 @@ static hdr_status read_input(hdr_input *input, image *image, hdr_error *error) {
 static hdr_status try_bytes(const unsigned char *bytes, size_t size, hdr_error *error) {
     *error = (hdr_error){.status = HDR_OK};
     hdr_input *input = hdr_input_memory(bytes, size, "damaged", error);
-    hdr_source *source = input ? hdr_source_open(input, MEMORY, error) : NULL;
+    hdr_source *source = input ? hdr_source_open(input, &(hdr_reading){.memory = MEMORY}, error) : NULL;
     void *worker = NULL;
     if (source && source->worker_new(source, &worker, error) == HDR_OK) {
         hdr_block block;
@@ -254,7 +254,7 @@ static void check_corpus(const char *corpus) {
     hdr_picture *about;
     snprintf(path, sizeof path, "%s/torture/WideFloatRange.exr", corpus);
     hdr_input *input = hdr_input_open(path, &error);
-    hdr_source *source = input ? hdr_source_open(input, MEMORY, &error) : NULL;
+    hdr_source *source = input ? hdr_source_open(input, &(hdr_reading){.memory = MEMORY}, &error) : NULL;
     about = source ? &source->picture : NULL;
     CHECK(about && about->planes == 3 && !about->present[0] && about->present[1] && !about->present[2] &&
               about->channels[1].type == HDR_FLOAT,
@@ -322,7 +322,7 @@ static hdr_status look_at(recipe *r, hdr_picture *about, hdr_error *error) {
     memset(about, 0, sizeof *about);
     CHECK(make_exr(r, &random_state, &file), "a picture cannot be made");
     hdr_input *input = hdr_input_memory(file.data, file.size, "made", error);
-    hdr_source *source = hdr_source_open(input, MEMORY, error);
+    hdr_source *source = hdr_source_open(input, &(hdr_reading){.memory = MEMORY}, error);
     if (source) *about = source->picture;
     hdr_source_close(source);
     hdr_input_free(input);

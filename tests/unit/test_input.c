@@ -155,8 +155,8 @@ static void check_end_while_waiting(const file_bytes *file) {
 static void check_refused_bytes(const char *bytes, size_t size, const char *words) {
     hdr_error error = {.status = HDR_OK};
     hdr_input *input = hdr_input_memory(bytes, size, "strange", &error);
-    CHECK(!hdr_source_open(input, MEMORY, &error) && error.status == HDR_BAD_DATA && strstr(error.message, words) &&
-              strncmp(error.message, "strange: ", 9) == 0,
+    CHECK(!hdr_source_open(input, &(hdr_reading){.memory = MEMORY}, &error) && error.status == HDR_BAD_DATA &&
+              strstr(error.message, words) && strncmp(error.message, "strange: ", 9) == 0,
           "%s: %s", words, error.message);
     hdr_input_free(input);
 }
