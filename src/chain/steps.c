@@ -62,7 +62,7 @@ static void reference_pixel(const hdr_step *step, double *pixel[3], int planes) 
             if (!(y > 0))
                 c = 0;
             else if (step->saturation == 1)
-                c = c * (ld / y);
+                c = c * fmin(ld / y, DBL_MAX);
             else
                 c = hdr_pow(c / y > 0 ? c / y : 0, step->saturation) * ld;
             *pixel[p] = hold(c);
@@ -108,6 +108,36 @@ static void codes_of(const hdr_step *steps, int step_count, const double *values
     hdr_codes_u8(work, 255, codes, 1, count);
 }
 
+/* The smallest value, 0 or above, that the steps carry beyond a limit; +inf where none is. */
+static double first_beyond(const hdr_step *steps, int count, double limit) {
+    uint64_t low = 0, high = hdr_real_bits((double)FLT_MAX) + 1;
+    while (low < high) {
+        uint64_t middle = low + (high - low) / 2;
+        double value = hdr_real_from_bits(middle);
+        for (int s = 0; s < count; s++)
+            value = hold(steps[s].curve->exact(&steps[s].constants, value));
+        if (value > limit)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return low > hdr_real_bits((double)FLT_MAX) ? (double)INFINITY : hdr_real_from_bits(low);
+}
+
+/* A curve whose two branches overlap falls where they meet. That is of no account unless a code changes there. */
+static bool falls_at_joint(const hdr_step *steps, int count) {
+    for (int s = 0; s < count; s++) {
+        if (!steps[s].curve->has_joint) continue;
+        double above = first_beyond(steps, s, steps[s].curve->joint);
+        if (!(above > 0 && isfinite(above))) continue;
+        double values[2] = {nextafter(above, 0), above};
+        uint8_t codes[2];
+        codes_of(steps, count, values, codes, 2);
+        if (codes[0] > codes[1]) return true;
+    }
+    return false;
+}
+
 /* All thresholds at once by bisection over the bits of positive doubles, which order as the doubles do. Exact: every
  * step is monotone, so the smallest value with a code of k or more is where the bisection ends. */
 bool hdr_steps_tabulate(const hdr_step *steps, int count, hdr_code_table *table) {
@@ -115,7 +145,7 @@ bool hdr_steps_tabulate(const hdr_step *steps, int count, hdr_code_table *table)
     double probe[TOP + 1] = {0, -(double)FLT_MAX, (double)FLT_MAX};
     uint8_t code[TOP + 1];
     codes_of(steps, count, probe, code, 3);
-    if (code[1] != code[0]) return false;
+    if (code[1] != code[0] || falls_at_joint(steps, count)) return false;
     unsigned at_zero = code[0], at_largest = code[2];
     uint64_t low[TOP + 1], high[TOP + 1]; /* code(low) < k <= code(high) */
     for (unsigned k = 0; k <= TOP; k++) {

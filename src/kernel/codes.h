@@ -22,7 +22,7 @@ typedef struct hdr_code_table {
 /* Fills the rest from threshold[0 ... top], which ascend. */
 void hdr_code_table_index(hdr_code_table *table, int top);
 
-/* out[i * stride] = code of c[i]; c holds no NaN. */
+/* out[i * stride] = code of c[i]; c is finite. */
 void hdr_code_lookup(const hdr_code_table *table, const double *c, uint8_t *out, size_t stride, size_t count);
 
 /* Codes of half values by a table of all 65536; the planes' codes interleaved. */

@@ -146,7 +146,8 @@ HDR_INLINE void hdr_luminance_ratio_body(const double *y, double *ld, size_t cou
     for (size_t i = 0; i < count; i++) {
         double lit = y[i] > 0 ? y[i] : 1;
         double ratio = ld[i] / lit;
-        ld[i] = y[i] > 0 ? ratio : 0;
+        double finite = ratio < DBL_MAX ? ratio : DBL_MAX; /* Y far below float's range: 0 times it must stay 0 */
+        ld[i] = y[i] > 0 ? finite : 0;
     }
 }
 HDR_VERSIONS(hdr_luminance_ratio, (const double *y, double *ld, size_t count), (y, ld, count))

@@ -33,7 +33,7 @@ uint16_t hdr_half_nearest(double value);
  * grey picture has the same Y whether it is stored in one plane or in three. */
 void hdr_luminance(const double *r, const double *g, const double *b, const double w[3], double *y, size_t count);
 
-/* ld becomes the factor on the colour: ld / y, and 0 where y <= 0. */
+/* ld becomes the factor on the colour: ld / y, held to double's range, and 0 where y <= 0. */
 void hdr_luminance_ratio(const double *y, double *ld, size_t count);
 
 /* c *= factor; exactly 0 where factor is 0. Held to float's range. */

@@ -19,14 +19,15 @@ static const hdr_option options[] = {{.name = "decode",
                                      {0}};
 
 /* IEC 61966-2-1:1999, 5.2: C' = 12.92 C for C <= 0.0031308, else 1.055 C^(1/2.4) - 0.055. */
+#define SRGB_JOINT 0.0031308 /* where the published branches meet they fall by 2.9e-8 */
 HDR_INLINE double srgb_encode_of(const hdr_constants *k, double c) {
     (void)k;
-    bool linear = c <= 0.0031308;
+    bool linear = c <= SRGB_JOINT;
     double above = linear ? 1 : c;
     double curved = 1.055 * hdr_pow(above, 1 / 2.4) - 0.055;
     return linear ? 12.92 * c : curved;
 }
-HDR_CURVE(srgb_encode)
+HDR_CURVE_JOINED(srgb_encode, SRGB_JOINT)
 
 /* The inverse: C' = C / 12.92 for C <= 0.04045, else ((C + 0.055) / 1.055)^2.4. */
 HDR_INLINE double srgb_decode_of(const hdr_constants *k, double c) {

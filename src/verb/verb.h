@@ -19,20 +19,24 @@ typedef struct hdr_constants {
 /* A formula on one number, in double: once for one value (the oracle, and the search for thresholds), once for a row of
  * them. Both are compiled from the same inline function, see HDR_CURVE, so they agree bit for bit. A curve is defined
  * for every double within float's range, negative ones too, and never gives a NaN; luminance curves give 0 for Y <= 0.
- * It is monotone. */
+ * It is monotone, but for a joint of two branches that a standard's rounded constants let overlap. */
 typedef struct hdr_curve {
     double (*exact)(const hdr_constants *constants, double value);
     void (*rows)(const hdr_constants *constants, double *values, size_t count); /* in place */
     bool monotone_to_the_bit; /* rounding cannot make it fall, as it may that of a logarithm by an ulp */
+    bool has_joint;           /* it may fall between values up to joint and those above */
+    double joint;
 } hdr_curve;
 
 /* HDR_CURVE(name) makes the curve `name` of the function
  *     HDR_INLINE double name_of(const hdr_constants *k, double value)
  * that stands above it. */
-#define HDR_CURVE(name) HDR_CURVE_OF(name, false)
+#define HDR_CURVE(name) HDR_CURVE_OF(name, false, false, 0)
 /* The same of a function that is monotone to the last bit: one rounded operation after another, each monotone. */
-#define HDR_CURVE_MONOTONE(name) HDR_CURVE_OF(name, true)
-#define HDR_CURVE_OF(name, monotone)                                                                                   \
+#define HDR_CURVE_MONOTONE(name) HDR_CURVE_OF(name, true, false, 0)
+/* Of one that may fall at a joint. */
+#define HDR_CURVE_JOINED(name, joint) HDR_CURVE_OF(name, false, true, joint)
+#define HDR_CURVE_OF(name, monotone, joined, joint)                                                                    \
     HDR_INLINE void name##_rows_body(const hdr_constants *constants, double *values, size_t count) {                   \
         const hdr_constants k = *constants; /* a copy: nothing that is stored can change it */                         \
         for (size_t i = 0; i < count; i++)                                                                             \
@@ -43,7 +47,7 @@ typedef struct hdr_curve {
     static double name##_exact(const hdr_constants *constants, double value) {                                         \
         return name##_of(constants, value);                                                                            \
     }                                                                                                                  \
-    static const hdr_curve name = {name##_exact, name##_rows, monotone};
+    static const hdr_curve name = {name##_exact, name##_rows, monotone, joined, joint};
 
 /* What a step does with its formula f. */
 typedef enum hdr_form {

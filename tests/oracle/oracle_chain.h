@@ -28,6 +28,7 @@ typedef struct oracle_step {
     oracle_number low, high, ev, k, saturation, exponent;
     oracle_number percentile;
     int bits;
+    bool no_excuse; /* quantise: even a value exactly on a boundary has one right code */
     /* facts about what comes in */
     oracle_weights weights;
     bool any_lit;
@@ -284,9 +285,21 @@ static int oracle_parse_option(oracle_chain *chain, oracle_step *step, const cha
     return 2;
 }
 
+/* True where the arithmetic is exact in binary, up to the first rounding to codes, and all that follows rounds these
+ * codes again: then not even a boundary met exactly is an excuse. */
+static bool oracle_no_excuse(const oracle_chain *chain, const oracle_step *step) {
+    if (!(chain->count ? chain->steps[chain->count - 1].no_excuse : chain->picture->opaque)) return false;
+    if (step->verb == ORACLE_QUANTISE) return true;
+    bool whole = step->verb == ORACLE_EXPOSE && !step->automatic && step->ev.value == rintl(step->ev.value);
+    bool ends = step->verb == ORACLE_CLAMP && step->low.value == rintl(step->low.value) &&
+                step->high.value == rintl(step->high.value);
+    return (whole || ends) && !chain->bits;
+}
+
 static void oracle_append(oracle_chain *chain, const oracle_step *step) {
     if (chain->count == ORACLE_STEPS) abort();
     chain->steps[chain->count] = *step;
+    chain->steps[chain->count].no_excuse = oracle_no_excuse(chain, step);
     chain->steps[chain->count++].weights = chain->weights;
 }
 
@@ -396,21 +409,6 @@ typedef struct oracle_codes {
     bool void_pixel; /* a quantise inside the chain is excused: nothing can be said */
 } oracle_codes;
 
-/* True where the arithmetic is exact in binary up to the first rounding to codes, and all that follows rounds these
- * codes again: then not even a boundary met exactly is an excuse. */
-static bool oracle_all_exact(const oracle_chain *chain) {
-    bool coded = false;
-    for (int s = 0; s < chain->count; s++) {
-        const oracle_step *step = &chain->steps[s];
-        bool whole = step->verb == ORACLE_EXPOSE && !step->automatic && step->ev.value == rintl(step->ev.value);
-        bool ends = step->verb == ORACLE_CLAMP && step->low.value == rintl(step->low.value) &&
-                    step->high.value == rintl(step->high.value);
-        coded = coded || step->verb == ORACLE_QUANTISE;
-        if (step->verb != ORACLE_QUANTISE && (coded || !(whole || ends))) return false;
-    }
-    return chain->picture->opaque;
-}
-
 static oracle_codes oracle_exact_codes(const oracle_chain *chain, size_t pixel) {
     oracle_codes codes = {0};
     int planes = chain->picture->planes, last = chain->count - 1;
@@ -419,12 +417,11 @@ static oracle_codes oracle_exact_codes(const oracle_chain *chain, size_t pixel) 
     exact_empty();
     exact_read(chain->picture, pixel, c);
     exact_walk(chain->steps, last, planes, c, &nearest);
-    bool all_exact = oracle_all_exact(chain);
-    codes.void_pixel = nearest < oracle_excuse && !(nearest == 0 && all_exact);
+    codes.void_pixel = nearest < oracle_excuse;
     for (int p = 0; p < planes; p++) {
         long double distance;
         codes.code[p] = exact_code(c[p], chain->png_bits, &distance);
-        codes.excused[p] = distance < oracle_excuse && !(distance == 0 && all_exact);
+        codes.excused[p] = distance < oracle_excuse && !(distance == 0 && chain->steps[last].no_excuse);
     }
     return codes;
 }

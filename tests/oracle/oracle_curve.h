@@ -193,7 +193,7 @@ static void OF(walk)(const oracle_step *steps, int count, int planes, REAL c[3],
         for (int i = 0; i < planes; i++) {
             long double distance = 1;
             if (!tone && step->verb != ORACLE_CONVERT) c[i] = OF(component)(step, c[i], &distance);
-            if (distance < *nearest) *nearest = distance;
+            if (distance < *nearest && !(distance == 0 && step->no_excuse)) *nearest = distance;
             c[i] = OF(within)(c[i], -(long double)FLT_MAX, FLT_MAX); /* beyond float: held at the largest float */
         }
     }
