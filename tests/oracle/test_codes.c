@@ -3,7 +3,7 @@
  * one).
  *
  * Of pictures above 40,000 pixels every 7th pixel is compared, and above 100,000 every picture goes through every 10th
- * chain; HDRPIPE_ORACLE=all compares everything. HDRPIPE_ORACLE_CHAIN=TEXT takes that chain alone. */
+ * chain; HDRPIPE_ORACLE=all compares everything (7 minutes). HDRPIPE_ORACLE_CHAIN=TEXT takes that chain alone. */
 #include "check.h"
 #include "oracle_check.h"
 #include "oracle_run.h"
@@ -223,8 +223,11 @@ int main(void) {
     check_file("testdata/glossy.exr", 0);
     check_file("testdata/object.exr", 0);
     check_corpus();
-    CHECK(codes_compared > 1000000 || getenv("HDRPIPE_ORACLE_CHAIN"), "only %lu values were compared", codes_compared);
-    CHECK(codes_excused * 200 <= codes_compared, "%lu of %lu are excused: too many", codes_excused, codes_compared);
+    if (!getenv("HDRPIPE_ORACLE_CHAIN")) {
+        CHECK(codes_compared > 1000000, "only %lu values were compared", codes_compared);
+        /* the most are pixels of exactly 0.5 in chains whose real formula is the identity */
+        CHECK(codes_excused * 200 <= codes_compared, "%lu of %lu are excused: too many", codes_excused, codes_compared);
+    }
     fprintf(stderr, "%lu values compared, %lu excused\n", codes_compared, codes_excused);
     return check_done("test_codes");
 }
