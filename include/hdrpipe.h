@@ -16,7 +16,8 @@
  *
  * Conventions. Every function that can fail returns an hdr_status, or NULL, and fills the hdr_error it was given (which
  * may be NULL); a record that is already filled is left alone, so a series of calls may share one and be checked once.
- * The library never prints, never exits and holds no global state but the choice of processor kernels. Strings are
+ * The library never prints, never exits and holds no global state but the choice of processor kernels and the names of
+ * temporary files. Strings are
  * UTF-8 and NUL-ended. All free functions accept NULL. Objects may be used by one thread at a time; different objects
  * by different threads. */
 #ifndef HDRPIPE_H
@@ -112,6 +113,9 @@ typedef struct hdr_verb_about {
 /* The verbs, in the order of the manual: index 0, 1, ... until NULL. */
 const hdr_verb_about *hdr_verb_at(int index);
 const hdr_verb_about *hdr_verb_named(const char *name); /* NULL: there is none */
+
+/* The format that a file's name tells by its ending (.png, .exr, ..., in either case). NULL: none that is written. */
+const hdr_verb_about *hdr_format_named(const char *path);
 
 /* ---- Pictures -------------------------------------------------------------------------------------------------------
  */

@@ -102,7 +102,7 @@ static bool render_to_file(const Scene *scene, const Options *options) {
     }
     render_picture(&job);
     exr_attr_box2i_t window = window_of_size(options->width, options->height);
-    Picture picture = {scene->has_alpha ? "RGBA" : "RGB", window, window, job.pixels};
+    Picture picture = {scene->has_alpha ? "RGBA" : "RGB", window, window, job.pixels, NULL};
     bool written = write_exr(options->output, &picture, options->type, options->compression);
     free(job.pixels);
     return written;

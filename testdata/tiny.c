@@ -24,6 +24,7 @@ typedef struct {
     exr_pixel_type_t type;
     exr_compression_t compression;
     void (*pixel)(int x, int y, float *value);
+    const exr_attr_chromaticities_t *chromaticities;
 } TinyPicture;
 
 static void set_rgb(float *value, float red, float green, float blue) {
@@ -150,6 +151,22 @@ static void constant(int x, int y, float *value) {
     set_rgb(value, 0.5f, 0.5f, 0.5f);
 }
 
+/* foreign: in the primaries of BT.2020, so that some colours lie outside of Rec.709. Top row: (1, 1/64, 1/64), (1/64,
+ * 1, 1/64), (1/64, 1/64, 1), (1, 1, 1), nothing 0; the rows below: a quarter and a sixteenth of the one above. */
+static void foreign(int x, int y, float *value) {
+    float scale = y == 0 ? 1.0f : y == 1 ? 0.25f : 0.0625f, low = scale / 64;
+    set_rgb(value, x == 0 || x == 3 ? scale : low, x == 1 || x == 3 ? scale : low, x >= 2 ? scale : low);
+}
+
+static const exr_attr_chromaticities_t bt2020 = {.red_x = 0.708f,
+                                                 .red_y = 0.292f,
+                                                 .green_x = 0.170f,
+                                                 .green_y = 0.797f,
+                                                 .blue_x = 0.131f,
+                                                 .blue_y = 0.046f,
+                                                 .white_x = 0.3127f,
+                                                 .white_y = 0.3290f};
+
 static bool write_tiny(const char *directory, const TinyPicture *tiny) {
     float pixels[MOST_PIXELS * MOST_CHANNELS];
     float *next = pixels;
@@ -169,7 +186,7 @@ static bool write_tiny(const char *directory, const TinyPicture *tiny) {
         fprintf(stderr, "%s: name too long\n", directory);
         return false;
     }
-    Picture picture = {tiny->channels, tiny->display_window, tiny->data_window, pixels};
+    Picture picture = {tiny->channels, tiny->display_window, tiny->data_window, pixels, tiny->chromaticities};
     return write_exr(path, &picture, tiny->type, tiny->compression);
 }
 
@@ -180,17 +197,18 @@ static bool write_tiny(const char *directory, const TinyPicture *tiny) {
 
 int main(int argc, char **argv) {
     static const TinyPicture pictures[] = {
-        {"ramp", "RGB", SIZE(16, 4), EXR_PIXEL_FLOAT, EXR_COMPRESSION_ZIP, ramp},
-        {"primaries", "RGB", SIZE(4, 4), EXR_PIXEL_HALF, EXR_COMPRESSION_ZIP, primaries},
-        {"wide", "RGB", SIZE(8, 8), EXR_PIXEL_FLOAT, EXR_COMPRESSION_PIZ, wide},
-        {"specials", "RGB", SIZE(8, 4), EXR_PIXEL_HALF, EXR_COMPRESSION_ZIP, specials},
-        {"alpha", "RGBA", SIZE(8, 4), EXR_PIXEL_HALF, EXR_COMPRESSION_ZIP, alpha},
-        {"opaque", "RGBA", SIZE(8, 4), EXR_PIXEL_HALF, EXR_COMPRESSION_PIZ, opaque},
-        {"grey", "Y", SIZE(8, 4), EXR_PIXEL_HALF, EXR_COMPRESSION_ZIP, grey},
-        {"window", "RGB", WINDOW(0, 0, 11, 7), WINDOW(-2, 1, 8, 9), EXR_PIXEL_HALF, EXR_COMPRESSION_ZIP, window},
-        {"black", "RGB", SIZE(8, 8), EXR_PIXEL_HALF, EXR_COMPRESSION_ZIP, black},
-        {"one", "RGB", SIZE(1, 1), EXR_PIXEL_FLOAT, EXR_COMPRESSION_ZIP, one},
-        {"constant", "RGB", SIZE(8, 8), EXR_PIXEL_HALF, EXR_COMPRESSION_PIZ, constant},
+        {"ramp", "RGB", SIZE(16, 4), EXR_PIXEL_FLOAT, EXR_COMPRESSION_ZIP, ramp, NULL},
+        {"primaries", "RGB", SIZE(4, 4), EXR_PIXEL_HALF, EXR_COMPRESSION_ZIP, primaries, NULL},
+        {"wide", "RGB", SIZE(8, 8), EXR_PIXEL_FLOAT, EXR_COMPRESSION_PIZ, wide, NULL},
+        {"specials", "RGB", SIZE(8, 4), EXR_PIXEL_HALF, EXR_COMPRESSION_ZIP, specials, NULL},
+        {"alpha", "RGBA", SIZE(8, 4), EXR_PIXEL_HALF, EXR_COMPRESSION_ZIP, alpha, NULL},
+        {"opaque", "RGBA", SIZE(8, 4), EXR_PIXEL_HALF, EXR_COMPRESSION_PIZ, opaque, NULL},
+        {"grey", "Y", SIZE(8, 4), EXR_PIXEL_HALF, EXR_COMPRESSION_ZIP, grey, NULL},
+        {"window", "RGB", WINDOW(0, 0, 11, 7), WINDOW(-2, 1, 8, 9), EXR_PIXEL_HALF, EXR_COMPRESSION_ZIP, window, NULL},
+        {"black", "RGB", SIZE(8, 8), EXR_PIXEL_HALF, EXR_COMPRESSION_ZIP, black, NULL},
+        {"one", "RGB", SIZE(1, 1), EXR_PIXEL_FLOAT, EXR_COMPRESSION_ZIP, one, NULL},
+        {"constant", "RGB", SIZE(8, 8), EXR_PIXEL_HALF, EXR_COMPRESSION_PIZ, constant, NULL},
+        {"foreign", "RGB", SIZE(4, 3), EXR_PIXEL_FLOAT, EXR_COMPRESSION_ZIP, foreign, &bt2020},
     };
     if (argc != 2) {
         fprintf(stderr, "usage: tiny DIRECTORY\n");

@@ -78,6 +78,8 @@ static exr_result_t write_header(exr_context_t file, const Picture *picture, exr
     if (result == EXR_ERR_SUCCESS)
         result = exr_initialize_required_attr(file, ONLY_PART, &picture->display_window, &picture->data_window, 1,
                                               &centre, 1, EXR_LINEORDER_INCREASING_Y, compression);
+    if (result == EXR_ERR_SUCCESS && picture->chromaticities)
+        result = exr_attr_set_chromaticities(file, ONLY_PART, "chromaticities", picture->chromaticities);
     for (const char *letter = picture->channels; result == EXR_ERR_SUCCESS && *letter; letter++) {
         char name[] = {*letter, '\0'};
         result = exr_add_channel(file, ONLY_PART, name, type, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);

@@ -15,14 +15,15 @@ typedef struct {
     exr_attr_box2i_t display_window;
     exr_attr_box2i_t data_window;
     const float *pixels;
+    const exr_attr_chromaticities_t *chromaticities; /* NULL: the file has no such attribute */
 } Picture;
 
 /* The window with (0,0) at its top left corner. */
 exr_attr_box2i_t window_of_size(int width, int height);
 
 /*
- * Writes the picture with the required header attributes and no others. type is EXR_PIXEL_HALF or EXR_PIXEL_FLOAT.
- * On failure it says why on stderr and returns false.
+ * Writes the picture with the required header attributes, and chromaticities if it has them, and no others. type is
+ * EXR_PIXEL_HALF or EXR_PIXEL_FLOAT. On failure it says why on stderr and returns false.
  */
 bool write_exr(const char *path, const Picture *picture, exr_pixel_type_t type, exr_compression_t compression);
 

@@ -15,7 +15,8 @@ for test in "$@"; do
     f=$(printf '%s\n' "$line" | sed -n 's/^.*passed, \([0-9][0-9]*\) failed.*/\1/p')
     s=$(printf '%s\n' "$line" | sed -n 's/^.*failed, \([0-9][0-9]*\) skipped.*/\1/p')
     # a test that ends without its line, or badly in spite of it, has failed
-    if [ -z "$p" ] || [ -z "$f" ] || { [ "$status" -ne 0 ] && [ "$f" -eq 0 ]; }; then
+    if [ -z "$p" ] || [ -z "$f" ] || { [ "$status" -ne 0 ] && [ "$f" -eq 0 ]; } ||
+        [ "$((${p:-0} + ${f:-0} + ${s:-0}))" -eq 0 ]; then
         line="$test: ended with status $status"
         f=$((${f:-0} + 1))
     fi

@@ -373,15 +373,15 @@ void hdr_options_free(hdr_options *options) {
 
 /* ---- The head's words ---- */
 
-static bool plain_in_head(unsigned char c) {
+bool hdr_plain_in_head(unsigned char c) {
     return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || (c && strchr("._,:/@+=-", c));
 }
 
 static hdr_status print_word(const char *text, hdr_bytes *out, hdr_error *err) {
     hdr_status status = HDR_OK;
     for (const char *c = text; *c && status == HDR_OK; c++)
-        status = plain_in_head((unsigned char)*c) ? hdr_bytes_add(out, c, 1, err)
-                                                  : hdr_bytes_printf(out, err, "%%%02X", (unsigned char)*c);
+        status = hdr_plain_in_head((unsigned char)*c) ? hdr_bytes_add(out, c, 1, err)
+                                                      : hdr_bytes_printf(out, err, "%%%02X", (unsigned char)*c);
     return status;
 }
 

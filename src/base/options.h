@@ -52,6 +52,9 @@ hdr_status hdr_option_line(const hdr_option *option, hdr_bytes *out, hdr_error *
 /* The same value as words of the head: appends " --name value" with bytes outside [A-Za-z0-9._,:/@+=-] as %XX. */
 hdr_status hdr_options_print(const hdr_options *options, hdr_bytes *out, hdr_error *err);
 
+/* Whether a byte stands for itself in the head, not as %XX. */
+bool hdr_plain_in_head(unsigned char byte);
+
 /* rank = max(1, ceil(P count / 100)), in exact arithmetic; P in [0,100], count >= 1. */
 uint64_t hdr_nearest_rank(hdr_decimal percent, uint64_t count);
 /* 100 - P, exactly. */

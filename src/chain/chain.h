@@ -42,6 +42,9 @@ hdr_status hdr_chain_add_clause(hdr_chain *chain, const char *const words[], int
  * the same. */
 hdr_status hdr_chain_add_reading(hdr_chain *chain, const char *const words[], int count, hdr_error *err);
 
+/* The common options that do not travel, as chain has them: they stay with the program they were given to. */
+hdr_status hdr_chain_add_local(hdr_chain *whole, const hdr_chain *chain, hdr_error *err);
+
 /* ---- head.c ---- */
 
 /* Reads the head in front of the input, if there is one, tells the input where the picture begins, and makes the chain

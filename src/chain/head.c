@@ -72,11 +72,6 @@ hdr_status hdr_chain_defer(hdr_chain *chain, hdr_input *input, int descriptor, h
 
 /* ---- Reading ---- */
 
-static bool is_plain(unsigned char byte) {
-    return (byte >= '0' && byte <= '9') || (byte >= 'A' && byte <= 'Z') || (byte >= 'a' && byte <= 'z') ||
-           (byte != 0 && strchr("._,:/@+=-", byte));
-}
-
 static int hex_digit(unsigned char byte) {
     return byte >= '0' && byte <= '9' ? byte - '0' : byte >= 'A' && byte <= 'F' ? byte - 'A' + 10 : -1;
 }
@@ -93,7 +88,7 @@ static int split_words(char *line, const char *word[], int room) {
         for (; *from && *from != ' '; from++) {
             int high = *from == '%' ? hex_digit((unsigned char)from[1]) : 0;
             int low = *from == '%' && high >= 0 ? hex_digit((unsigned char)from[2]) : 0;
-            if (high < 0 || low < 0 || (*from != '%' && !is_plain((unsigned char)*from))) return -1;
+            if (high < 0 || low < 0 || (*from != '%' && !hdr_plain_in_head((unsigned char)*from))) return -1;
             char byte = *from == '%' ? (char)(high * 16 + low) : *from;
             if (!byte) return -1;
             if (*from == '%') from += 2;
@@ -160,7 +155,8 @@ static int64_t head_length(const char *text, size_t size, hdr_error *err) {
     }
     const char *end = strstr(text, "\n\n");
     if (!end) {
-        hdr_fail(err, HDR_BAD_DATA, "the pipe's head does not end with an empty line within 64 KiB");
+        hdr_fail(err, HDR_BAD_DATA,
+                 size < HEAD_MAX ? "the pipe's head is cut off" : "the pipe's head has no end within 64 KiB");
         return -1;
     }
     return end + 2 - text;
@@ -217,18 +213,6 @@ static hdr_status append_chain(hdr_chain *whole, const hdr_chain *chain, hdr_err
     return HDR_OK;
 }
 
-/* Those that stay with the program they were given to. */
-static void copy_local_settings(hdr_chain *whole, const hdr_chain *chain) {
-    hdr_common travelled = whole->common;
-    whole->common = chain->common;
-    whole->common.reference = travelled.reference;
-    whole->common.no_skip = travelled.no_skip;
-    whole->common.strict = travelled.strict;
-    whole->common.window = travelled.window;
-    whole->common.primaries = travelled.primaries;
-    whole->common.adapt = travelled.adapt;
-}
-
 hdr_chain *hdr_chain_behind_head(const hdr_chain *chain, hdr_input *input, hdr_error *err) {
     hdr_error own = {0};
     char *head = take_head(input, err);
@@ -239,8 +223,7 @@ hdr_chain *hdr_chain_behind_head(const hdr_chain *chain, hdr_input *input, hdr_e
         hdr_fail(err, own.status, "%s", own.message);
         goto fail;
     }
-    if (append_chain(whole, chain, err)) goto fail;
-    copy_local_settings(whole, chain);
+    if (append_chain(whole, chain, err) || hdr_chain_add_local(whole, chain, err)) goto fail;
     free(head);
     return whole;
 fail:

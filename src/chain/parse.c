@@ -391,23 +391,49 @@ hdr_status hdr_chain_parse(hdr_chain *chain, int count, const char *const word[]
     }
 }
 
+/* One option of the head's read line, into `line`, a chain that has nothing else; so twice is refused. */
+static hdr_status read_travelling(hdr_chain *line, words *from, hdr_error *err) {
+    const char *word = from->word[from->next++];
+    char name[64] = "";
+    size_t length = strncmp(word, "--", 2) ? 0 : strcspn(word + 2, "=");
+    if (length && length < sizeof name) memcpy(name, word + 2, length);
+    const hdr_option *option = hdr_option_find(common_options, name);
+    if (!option || !option->travels) return hdr_fail(err, HDR_USAGE, "'%.100s' is no reading option", word);
+    return long_option(line, NULL, word, from, err);
+}
+
+/* Takes over what the line gives. */
+static hdr_status merge_reading(hdr_chain *chain, const hdr_options *line, hdr_error *err) {
+    for (int i = 0; i < line->count; i++) {
+        const hdr_given *now = &line->given[i], *earlier = NULL;
+        for (int g = 0; g < chain->common_given.count; g++)
+            if (chain->common_given.given[g].option == now->option) earlier = &chain->common_given.given[g];
+        if (earlier && now->text && strcmp(earlier->text, now->text))
+            return hdr_fail(err, HDR_USAGE, "--%s: one program of the pipe says %s, another %s", now->option->name,
+                            earlier->text, now->text);
+        if (earlier) continue;
+        hdr_status status = hdr_option_set(now->option, now->text, &chain->common, &chain->common_given, err);
+        if (status) return status;
+    }
+    return HDR_OK;
+}
+
 hdr_status hdr_chain_add_reading(hdr_chain *chain, const char *const word[], int count, hdr_error *err) {
     words from = {word, count, 0};
-    while (from.next < from.count) {
-        int at = from.next;
-        const char *name = from.word[from.next++];
-        const hdr_option *option = strncmp(name, "--", 2) ? NULL : hdr_option_find(common_options, name + 2);
-        if (!option || !option->travels) return hdr_fail(err, HDR_USAGE, "'%.100s' is no reading option", name);
-        const char *text = NULL;
-        if (option->type != HDR_OPTION_FLAG && option_value(option, NULL, &from, &text, err)) return HDR_USAGE;
-        const hdr_given *earlier = NULL;
-        for (int i = 0; i < chain->common_given.count; i++)
-            if (chain->common_given.given[i].option == option) earlier = &chain->common_given.given[i];
-        if (earlier && text && strcmp(earlier->text, text))
-            return hdr_fail(err, HDR_USAGE, "%s: one program of the pipe says %s, another %s", word[at], earlier->text,
-                            text);
-        if (earlier) continue;
-        hdr_status status = hdr_option_set(option, text, &chain->common, &chain->common_given, err);
+    hdr_chain *line = hdr_chain_new(err);
+    hdr_status status = line ? HDR_OK : HDR_INTERNAL;
+    while (!status && from.next < from.count)
+        status = read_travelling(line, &from, err);
+    if (!status) status = merge_reading(chain, &line->common_given, err);
+    hdr_chain_free(line);
+    return status;
+}
+
+hdr_status hdr_chain_add_local(hdr_chain *whole, const hdr_chain *chain, hdr_error *err) {
+    for (int i = 0; i < chain->common_given.count; i++) {
+        const hdr_given *given = &chain->common_given.given[i];
+        if (given->option->travels) continue;
+        hdr_status status = hdr_option_set(given->option, given->text, &whole->common, &whole->common_given, err);
         if (status) return status;
     }
     return HDR_OK;

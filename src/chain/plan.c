@@ -3,10 +3,10 @@
 
 #include "picture/colour.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 /* Where the plan stands. */
 typedef struct planning {
@@ -40,14 +40,13 @@ static hdr_status start_colour(planning *p, hdr_error *err) {
     if (!hdr_luminance_weights(&picture->chromaticities, p->run->weights))
         return hdr_fail(err, HDR_BAD_DATA, "the chromaticities span no triangle");
     p->foreign = picture->planes == 3 && hdr_chromaticities_differ(&picture->chromaticities, &hdr_rec709) &&
-                 p->run->chain->common.primaries != HDR_PRIMARIES_KEEP && !strcmp(p->state, "linear");
+                 p->run->chain->common.primaries != HDR_PRIMARIES_KEEP;
     return HDR_OK;
 }
 
 /* Encoded pictures are in Rec.709's primaries: the conversion stands in front of the first verb that encodes or
  * quantises. */
 static hdr_status convert_primaries(planning *p, hdr_error *err) {
-    if (!p->foreign) return HDR_OK;
     hdr_run *run = p->run;
     const hdr_picture *picture = &run->source->picture;
     bool adapt = run->chain->common.adapt != HDR_ADAPT_NONE;
@@ -86,27 +85,40 @@ static void carry_range(planning *p, const hdr_step *step, const hdr_facts *befo
     if (step->form != HDR_FORM_CHANNEL || !step->curve->monotone_to_the_bit || !(before->known & HDR_FACT_COMPONENTS))
         return;
     p->range = (hdr_facts){.known = HDR_FACT_COMPONENTS};
-    p->range.min_component = step->curve->exact(&step->constants, before->min_component);
-    p->range.max_component = step->curve->exact(&step->constants, before->max_component);
+    p->range.min_component = hdr_held(step->curve->exact(&step->constants, before->min_component));
+    p->range.max_component = hdr_held(step->curve->exact(&step->constants, before->max_component));
+}
+
+/* Asks the verb what it makes of the scene as it stands. */
+static hdr_status resolve(planning *p, int number, const hdr_clause *clause, hdr_facts *facts, hdr_step *step,
+                          hdr_verdict *verdict, hdr_error *err) {
+    hdr_status status = provide_facts(p, number, clause, err);
+    if (status) return status;
+    *facts = p->fresh ? p->facts : p->range;
+    *step = (hdr_step){.verb = clause->verb, .clause = number, .saturation = 1};
+    hdr_scene scene = {.facts = *facts, .state = p->state};
+    *verdict = clause->verb->plan(clause->params, &scene, step, err);
+    if (*verdict != HDR_REFUSE) return HDR_OK;
+    char prefix[100];
+    snprintf(prefix, sizeof prefix, "clause %d (%s)", number, clause->verb->about.name);
+    return hdr_fail_in(err, prefix);
 }
 
 static hdr_status plan_clause(planning *p, int number, const hdr_clause *clause, hdr_error *err) {
     hdr_run *run = p->run;
     const char *name = clause->verb->about.name;
-    hdr_status status = provide_facts(p, number, clause, err);
+    hdr_facts facts;
+    hdr_step step;
+    hdr_verdict verdict;
+    hdr_status status = resolve(p, number, clause, &facts, &step, &verdict, err);
     if (status) return status;
-    hdr_facts facts = p->fresh ? p->facts : p->range;
-    hdr_scene scene = {.facts = facts, .state = p->state};
-    hdr_step step = {.verb = clause->verb, .clause = number, .saturation = 1};
-    hdr_verdict verdict = clause->verb->plan(clause->params, &scene, &step, err);
-    if (verdict == HDR_REFUSE) {
-        char prefix[100];
-        snprintf(prefix, sizeof prefix, "clause %d (%s)", number, name);
-        return hdr_fail_in(err, prefix);
-    }
     bool encodes = step.state[0] && strcmp(step.state, "linear") != 0;
-    if (encodes || step.bits) status = convert_primaries(p, err);
-    if (status) return status;
+    if (p->foreign && (encodes || step.bits) && !strcmp(p->state, "linear")) {
+        /* what the verb was told of is not what will reach it */
+        status = convert_primaries(p, err);
+        if (!status) status = resolve(p, number, clause, &facts, &step, &verdict, err);
+        if (status) return status;
+    }
     if (step.bits && !encodes && !strcmp(p->state, "linear"))
         hdr_say(run->listener, HDR_NOTE, "clause %d (%s): the picture is not encoded: %d bits of linear values", number,
                 name, step.bits);
@@ -122,7 +134,7 @@ static hdr_status plan_clause(planning *p, int number, const hdr_clause *clause,
     return status;
 }
 
-/* True if some clause from index on asks for facts, so that one more sweep will come. */
+/* True if some clause asks for facts, so that there will be more than one sweep. */
 static bool wants_facts(const hdr_chain *chain) {
     for (int i = 0; i < chain->count; i++) {
         hdr_request request = {0};
@@ -132,11 +144,25 @@ static bool wants_facts(const hdr_chain *chain) {
     return false;
 }
 
+/* The state that a file claims must be one that can be told in the output. */
+static hdr_status check_state(const char *state, hdr_error *err) {
+    static const char *const known[] = {"linear", "srgb", "rec709", "pq", "hlg"};
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
+        if (!strcmp(state, known[i])) return HDR_OK;
+    char again[64] = "";
+    double exponent = strncmp(state, "gamma ", 6) ? 0 : strtod(state + 6, NULL);
+    if (exponent > 0 && isfinite(exponent)) snprintf(again, sizeof again, "gamma %.15g", exponent);
+    if (!strcmp(state, again)) return HDR_OK;
+    return hdr_fail(err, HDR_BAD_DATA, "its hdrpipeState is '%s', which this program (%s) does not know", state,
+                    HDRPIPE_VERSION);
+}
+
 /* All clauses that are filters. */
 static hdr_status plan_filters(planning *p, hdr_error *err) {
     const hdr_chain *chain = p->run->chain;
     snprintf(p->state, sizeof p->state, "%s", p->run->source->picture.state);
-    hdr_status status = start_colour(p, err);
+    hdr_status status = check_state(p->state, err);
+    if (!status) status = start_colour(p, err);
     if (wants_facts(chain)) hdr_run_keep(p->run);
     for (int i = 0; !status && i < chain->count; i++) {
         if (chain->clauses[i].verb->about.kind != HDR_FILTER) break;
@@ -147,14 +173,6 @@ static hdr_status plan_filters(planning *p, hdr_error *err) {
 
 /* ---- Formats ---- */
 
-static const hdr_verb *format_of_ending(const char *ending) {
-    for (int i = 0; hdr_verb_number(i); i++) {
-        const hdr_verb *verb = hdr_verb_number(i);
-        if (verb->format && !strcasecmp(verb->format->extension, ending)) return verb;
-    }
-    return NULL;
-}
-
 /* The format that is written: the last clause's, or by the ending of the output's name, or EXR. */
 static hdr_status choose_format(const hdr_chain *chain, const hdr_output *output, const hdr_verb **verb,
                                 hdr_error *err) {
@@ -163,7 +181,7 @@ static hdr_status choose_format(const hdr_chain *chain, const hdr_output *output
         return hdr_fail(err, HDR_USAGE, "%s writes no picture", last->verb->about.name);
     const char *name = hdr_output_name(output), *slash = strrchr(name, '/');
     const char *ending = strrchr(slash ? slash : name, '.');
-    const hdr_verb *named = ending ? format_of_ending(ending) : NULL;
+    const hdr_verb *named = hdr_verb_of_ending(name);
     *verb = last && last->verb->format ? last->verb : ending ? named : hdr_verb_find("exr");
     if (*verb && named && named != *verb)
         return hdr_fail(err, HDR_USAGE, "%s: the chain ends in %s, which is no %s", name, (*verb)->about.name, ending);
@@ -174,7 +192,7 @@ static hdr_status choose_format(const hdr_chain *chain, const hdr_output *output
 
 /* What a format of codes adds where the chain has neither encoded nor quantised. */
 static hdr_status encode_for_codes(planning *p, hdr_error *err) {
-    if (strcmp(p->state, "linear") || p->bits) return convert_primaries(p, err);
+    if (strcmp(p->state, "linear") || p->bits) return HDR_OK;
     hdr_clause srgb = {.verb = hdr_verb_find("srgb")};
     srgb.params = hdr_alloc(1, srgb.verb->params_size);
     if (!srgb.params) return hdr_fail(err, HDR_INTERNAL, "out of memory");
@@ -282,6 +300,10 @@ static hdr_status finish_stats(planning *p, void *context, hdr_error *err) {
     if (status) return status;
     const hdr_raw *raw = &p->run->raw;
     stats->picture = p->run->source->picture;
+    if (p->converted) {
+        stats->picture.chromaticities = hdr_rec709;
+        stats->picture.has_chromaticities = stats->picture.has_neutral = false;
+    }
     stats->pixels = facts.pixels;
     stats->lit = facts.lit;
     stats->nan = raw->nan;
@@ -296,7 +318,7 @@ static hdr_status finish_stats(planning *p, void *context, hdr_error *err) {
     stats->min_lit = facts.min_lit;
     stats->log_average = facts.log_average;
     memcpy(stats->percentile, facts.percentile, sizeof stats->percentile);
-    stats->grey = raw->grey;
+    stats->grey = facts.coloured == 0;
     stats->opaque = raw->opaque;
     snprintf(stats->picture.state, sizeof stats->picture.state, "%s", p->state);
     return HDR_OK;

@@ -279,13 +279,13 @@ static hdr_status report_repairs(const hdr_run *run, hdr_error *err) {
     return HDR_OK;
 }
 
-/* Takes what a sweep has met for what the picture is. True: that is not what was assumed. */
-static bool learn(hdr_run *run, const hdr_watch *met) {
+/* Takes what a sweep has met for what the picture is. True: that is not what was assumed, and matters. */
+static bool learn(hdr_run *run, const hdr_sweep *sweep, const hdr_watch *met) {
     hdr_raw *raw = &run->raw;
     hdr_raw before = *raw;
     raw->grey = run->source->picture.planes == 1 || !met->colour;
     raw->opaque = !met->translucent;
-    return raw->grey != before.grey || raw->opaque != before.opaque;
+    return (sweep->grey_matters && raw->grey != before.grey) || (sweep->alpha_matters && raw->opaque != before.opaque);
 }
 
 static double milliseconds(void) {
@@ -324,13 +324,15 @@ hdr_status hdr_run_sweep(hdr_run *run, const hdr_sweep *sweep, hdr_error *err) {
         run->sweeps++;
         hdr_say(run->listener, HDR_DETAIL, "sweep %d: %.1f ms", run->sweeps, milliseconds() - started);
         if (raw->certain) return HDR_OK;
-        bool changed = learn(run, &met);
+        bool as_it_is = !learn(run, sweep, &met);
         raw->certain = true;
         raw->nan = met.nan;
         raw->positive_infinity = met.positive_infinity;
         raw->negative_infinity = met.negative_infinity;
         status = report_repairs(run, err);
-        if (status || !changed || !sweep->depends) return status;
+        if (status || as_it_is) return status;
+        hdr_say(run->listener, HDR_EXPLAIN, "the sweep is made again: the picture is %s after all",
+                raw->grey ? "grey" : "opaque");
     }
 }
 
@@ -355,14 +357,14 @@ static hdr_status guess_job(void *context, int item, int thread, hdr_error *err)
     return HDR_OK;
 }
 
-hdr_status hdr_run_guess(hdr_run *run, hdr_error *err) {
+hdr_status hdr_run_guess(hdr_run *run, bool grey_matters, hdr_error *err) {
     const hdr_picture *picture = &run->source->picture;
     if (run->raw.certain || (picture->planes == 1 && !picture->has_alpha)) return HDR_OK;
     for (int t = 0; t < run->thread_count; t++)
         run->threads[t].watch = (hdr_watch){0};
     hdr_status status = hdr_pool_run(run->pool, 1, guess_job, run, err);
     hdr_watch met = merge_watches(run);
-    run->raw.grey = !met.colour;
+    run->raw.grey = picture->planes == 1 || (grey_matters && !met.colour);
     run->raw.opaque = !met.translucent;
     return status;
 }
@@ -400,7 +402,7 @@ static hdr_status facts_job(void *context, int item, int thread, hdr_error *err)
             hdr_strip_apply(strip, run->steps, 0, run->step_count, run->settings.reference);
             hdr_strip_luminance(strip, run->weights);
             const double *planes[3] = {strip->c[0], strip->c[1], strip->c[2]};
-            hdr_taking_strip(sweep->taking, thread, block.first_row + row, planes, strip->planes, strip->y,
+            hdr_taking_strip(sweep->taking, thread, planes, strip->planes, strip->y,
                              run->source->picture.has_alpha ? strip->alpha : NULL, count);
         }
         hdr_taking_row_end(sweep->taking, thread, block.first_row + row);
@@ -409,10 +411,13 @@ static hdr_status facts_job(void *context, int item, int thread, hdr_error *err)
 }
 
 hdr_status hdr_run_facts(hdr_run *run, const hdr_request *request, hdr_facts *facts, hdr_error *err) {
+    if (request->percentiles) hdr_run_keep(run);
     facts_sweep sweep = {.run = run, .whole = request->facts & HDR_FACT_CHANNELS};
     sweep.reduce = run->raw.certain && !sweep.whole;
     int height = (int)hdr_window_height(&run->source->picture.data);
-    sweep.taking = hdr_taking_new(request, height, run->thread_count, err);
+    /* as they are stored: neither a step nor a division by alpha has touched them */
+    bool stored = run->step_count == 0 && !run->source->picture.has_alpha;
+    sweep.taking = hdr_taking_new(request, height, run->thread_count, stored, err);
     if (!sweep.taking) return err->status;
     hdr_status status;
     do {

@@ -77,7 +77,7 @@ typedef struct hdr_sweep {
     hdr_status (*before)(void *context, int *items, hdr_error *err);
     hdr_job job;
     void *context;
-    bool depends; /* what it makes depends on whether the picture is grey or opaque, not only on its values */
+    bool grey_matters, alpha_matters; /* what it makes depends on the one being so or not, not only on values */
 } hdr_sweep;
 
 /* Makes a sweep, again if what it assumed turns out not to hold. The first that comes to its end makes the raw facts
@@ -87,12 +87,13 @@ hdr_status hdr_run_sweep(hdr_run *run, const hdr_sweep *sweep, hdr_error *err);
 /* The facts of what the steps make of the picture. */
 hdr_status hdr_run_facts(hdr_run *run, const hdr_request *request, hdr_facts *facts, hdr_error *err);
 
-/* Looks at one block in the middle to assume what is likely. */
-hdr_status hdr_run_guess(hdr_run *run, hdr_error *err);
+/* Looks at one block in the middle to assume what is likely. Where it does not matter, a picture is not taken for grey.
+ */
+hdr_status hdr_run_guess(hdr_run *run, bool grey_matters, hdr_error *err);
 
 /* ---- write.c ---- */
 
-/* Makes the sweep that writes: format's clause may be NULL (its defaults). */
+/* Makes the sweep that writes. params: the format's. converted: the primaries are Rec.709's now. */
 hdr_status hdr_run_write(hdr_run *run, const hdr_verb *format, const void *params, hdr_output *output,
                          const char *state, int bits, bool converted, hdr_error *err);
 

@@ -44,15 +44,11 @@ static void apply_rows(hdr_strip *strip, const hdr_step *step) {
 
 /* ---- Value by value: SPEC's formulas and nothing else ---- */
 
-static double hold(double c) {
-    return c > (double)FLT_MAX ? (double)FLT_MAX : c < -(double)FLT_MAX ? -(double)FLT_MAX : c;
-}
-
 static void reference_pixel(const hdr_step *step, double *pixel[3], int planes) {
     double r = *pixel[0], g = planes == 3 ? *pixel[1] : r, b = planes == 3 ? *pixel[2] : r;
     if (step->form == HDR_FORM_CHANNEL) {
         for (int p = 0; p < planes; p++)
-            *pixel[p] = hold(step->curve->exact(&step->constants, *pixel[p]));
+            *pixel[p] = hdr_held(step->curve->exact(&step->constants, *pixel[p]));
     } else if (step->form == HDR_FORM_LUMINANCE) {
         const double *w = step->luminance;
         double y = r == g && g == b ? r : w[0] * r + w[1] * g + w[2] * b;
@@ -62,16 +58,16 @@ static void reference_pixel(const hdr_step *step, double *pixel[3], int planes) 
             if (!(y > 0))
                 c = 0;
             else if (step->saturation == 1)
-                c = c * fmin(ld / y, DBL_MAX);
+                c = c * (ld / y);
             else
                 c = hdr_pow(c / y > 0 ? c / y : 0, step->saturation) * ld;
-            *pixel[p] = hold(c);
+            *pixel[p] = hdr_held(c);
         }
     } else {
         const double *m = step->matrix;
-        *pixel[0] = hold(m[0] * r + m[1] * g + m[2] * b);
-        *pixel[1] = hold(m[3] * r + m[4] * g + m[5] * b);
-        *pixel[2] = hold(m[6] * r + m[7] * g + m[8] * b);
+        *pixel[0] = hdr_held(m[0] * r + m[1] * g + m[2] * b);
+        *pixel[1] = hdr_held(m[3] * r + m[4] * g + m[5] * b);
+        *pixel[2] = hdr_held(m[6] * r + m[7] * g + m[8] * b);
     }
 }
 
@@ -115,7 +111,7 @@ static double first_beyond(const hdr_step *steps, int count, double limit) {
         uint64_t middle = low + (high - low) / 2;
         double value = hdr_real_from_bits(middle);
         for (int s = 0; s < count; s++)
-            value = hold(steps[s].curve->exact(&steps[s].constants, value));
+            value = hdr_held(steps[s].curve->exact(&steps[s].constants, value));
         if (value > limit)
             high = middle;
         else

@@ -313,14 +313,20 @@ hdr_status hdr_run_write(hdr_run *run, const hdr_verb *format, const void *param
         w.tabulated = w.table && hdr_steps_tabulate(run->steps + w.tail, run->step_count - w.tail, w.table);
     }
     if (!status && !run->raw.certain && !sees_all(&w)) {
+        hdr_run_keep(run);
         hdr_request nothing = {0};
         hdr_facts facts;
         status = hdr_run_facts(run, &nothing, &facts, err);
     }
-    if (!status) status = hdr_run_guess(run, err);
+    if (!status) status = hdr_run_guess(run, w.may_be_grey, err);
     if (!status)
-        status = hdr_run_sweep(
-            run, &(hdr_sweep){.before = begin_attempt, .job = band_job, .context = &w, .depends = true}, err);
+        status = hdr_run_sweep(run,
+                               &(hdr_sweep){.before = begin_attempt,
+                                            .job = band_job,
+                                            .context = &w,
+                                            .grey_matters = w.may_be_grey,
+                                            .alpha_matters = format->format->alpha},
+                               err);
     if (!status) status = w.sink->end(w.sink, err);
     if (!status) explain_tail(&w);
     close_sink(&w);

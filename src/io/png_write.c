@@ -166,7 +166,8 @@ static void set_significant_bits(png_sink *self) {
     const hdr_frame *frame = &self->sink.frame;
     if (frame->bits >= frame_depth(frame)) return;
     png_byte bits = (png_byte)frame->bits;
-    png_color_8 significant = {.red = bits, .green = bits, .blue = bits, .gray = bits, .alpha = bits};
+    png_color_8 significant = {
+        .red = bits, .green = bits, .blue = bits, .gray = bits, .alpha = (png_byte)frame_depth(frame)};
     png_set_sBIT(self->png, self->info, &significant);
 }
 

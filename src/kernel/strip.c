@@ -9,7 +9,12 @@
 
 HDR_INLINE double held(double c) {
     double below = c < (double)FLT_MAX ? c : (double)FLT_MAX;
-    return below > -(double)FLT_MAX ? below : -(double)FLT_MAX;
+    double within = below > -(double)FLT_MAX ? below : -(double)FLT_MAX;
+    return fabs(within) < HDR_LEAST ? within * 0 : within;
+}
+
+double hdr_held(double c) {
+    return held(c);
 }
 
 /* ---- From the stored type ---- */
@@ -146,8 +151,7 @@ HDR_INLINE void hdr_luminance_ratio_body(const double *y, double *ld, size_t cou
     for (size_t i = 0; i < count; i++) {
         double lit = y[i] > 0 ? y[i] : 1;
         double ratio = ld[i] / lit;
-        double finite = ratio < DBL_MAX ? ratio : DBL_MAX; /* Y far below float's range: 0 times it must stay 0 */
-        ld[i] = y[i] > 0 ? finite : 0;
+        ld[i] = y[i] > 0 ? ratio : 0;
     }
 }
 HDR_VERSIONS(hdr_luminance_ratio, (const double *y, double *ld, size_t count), (y, ld, count))

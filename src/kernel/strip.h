@@ -33,7 +33,7 @@ uint16_t hdr_half_nearest(double value);
  * grey picture has the same Y whether it is stored in one plane or in three. */
 void hdr_luminance(const double *r, const double *g, const double *b, const double w[3], double *y, size_t count);
 
-/* ld becomes the factor on the colour: ld / y, held to double's range, and 0 where y <= 0. */
+/* ld becomes the factor on the colour: ld / y, and 0 where y <= 0. */
 void hdr_luminance_ratio(const double *y, double *ld, size_t count);
 
 /* c *= factor; exactly 0 where factor is 0. Held to float's range. */
@@ -45,11 +45,15 @@ void hdr_saturate(double *c, const double *y, const double *ld, double s, size_t
 /* (r,g,b) = m (r,g,b), m by rows. Held to float's range. */
 void hdr_matrix_rows(double *r, double *g, double *b, const double m[9], size_t count);
 
-/* C / alpha and C * alpha where alpha > 0. Held to float's range. */
+/* C / alpha and C * alpha where alpha > 0. Held to float's range: what is between verbs always is, so that a verb that
+ * changes nothing may be left out. */
 void hdr_unassociate(double *c, const double *alpha, size_t count);
 void hdr_associate(double *c, const double *alpha, size_t count);
 
-/* Holds to [-FLT_MAX, FLT_MAX]. */
+/* What lies between verbs is held: to [-FLT_MAX, FLT_MAX], and what is smaller than 1e-200, 150 orders of magnitude
+ * below the smallest float, is 0, so that the reciprocal of what is not 0 stays far within double's range. */
+#define HDR_LEAST 1e-200
+double hdr_held(double c);
 void hdr_hold(double *c, size_t count);
 
 /* ---- Codes ---- */

@@ -4,6 +4,7 @@
 #include "kernel/strip.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,52 +13,83 @@
 /* What one thread has seen. All of it is merged without regard to order: extremes and whole numbers. */
 typedef struct tally {
     hdr_range components, luminance, channel[4];
-    uint64_t pixels, lit, negative, unlit_colour;
-    double lanes[8];                          /* of the row under way */
-    uint64_t *histogram[HDR_MAX_PERCENTILES]; /* BUCKETS each; used by slot, see slots below */
+    uint64_t pixels, lit, negative, unlit_colour, coloured;
+    double lanes[8]; /* of the row under way */
 } tally;
 
-/* A histogram: in the first sweep one for each population asked for, of the keys' upper 16 bits; in the second one for
- * each (population, upper bits) in which a percentile lies, of the lower 16 bits. */
+/* Counters of buckets. A few threads have a table each; many share them, so that memory does not grow with their
+ * number. */
+typedef _Atomic uint64_t counter;
+enum { MOST_TABLES = 8 };
+
+/* Percentiles are found digit by digit: values become 64-bit keys that order as they do, of which each sweep counts one
+ * digit of 16 bits, the highest first, among the values whose higher digits are those of the percentile. A slot is one
+ * such count; percentiles with the same higher digits share it. */
 typedef struct slot {
     hdr_population of;
-    uint32_t upper; /* second sweep */
+    uint64_t prefix; /* the higher digits */
 } slot;
 
 struct hdr_taking {
     hdr_request request;
-    int height, threads, sweep; /* sweep: 0, 1 */
-    double *row_logs;           /* sum of ln Y of each row's lit pixels */
+    int height, threads, sweep;
+    int digits[HDR_POPULATIONS]; /* of its keys that can differ */
+    double *row_logs;            /* sum of ln Y of each row's lit pixels */
     tally *tallies;
+    counter *tables; /* for each table: for each percentile of the request, as many as there can be slots: BUCKETS */
+    int table_count;
     slot slots[HDR_MAX_PERCENTILES];
     int slot_count;
     int percentile_slot[HDR_MAX_PERCENTILES]; /* in which slot a percentile of the request is looked for */
-    uint64_t rank_below[HDR_MAX_PERCENTILES]; /* second sweep: values below the slot's */
-    uint64_t population[HDR_POPULATIONS];
+    uint64_t prefix[HDR_MAX_PERCENTILES];     /* the digits of each percentile that are known */
+    uint64_t rank[HDR_MAX_PERCENTILES];       /* its rank among the values with these digits; 0: no values */
     hdr_facts facts;
 };
 
-static int slot_for(hdr_taking *taking, hdr_population of, uint32_t upper) {
+static counter *histogram_of(const hdr_taking *taking, int table, int slot) {
+    return taking->tables + ((size_t)table * (size_t)taking->request.percentiles + (size_t)slot) * BUCKETS;
+}
+
+/* Order does not matter to a count. Alone, a thread needs no locked addition. */
+static void count_one(const hdr_taking *taking, counter *place) {
+    if (taking->threads > taking->table_count)
+        atomic_fetch_add_explicit(place, 1, memory_order_relaxed);
+    else
+        atomic_store_explicit(place, atomic_load_explicit(place, memory_order_relaxed) + 1, memory_order_relaxed);
+}
+
+static int slot_for(hdr_taking *taking, hdr_population of, uint64_t prefix) {
     for (int i = 0; i < taking->slot_count; i++)
-        if (taking->slots[i].of == of && taking->slots[i].upper == upper) return i;
-    taking->slots[taking->slot_count] = (slot){of, upper};
+        if (taking->slots[i].of == of && taking->slots[i].prefix == prefix) return i;
+    taking->slots[taking->slot_count] = (slot){of, prefix};
     return taking->slot_count++;
 }
 
-hdr_taking *hdr_taking_new(const hdr_request *request, int height, int threads, hdr_error *err) {
+/* Slots for the percentiles whose digits are not all known. False: there is none. */
+static bool assign_slots(hdr_taking *taking) {
+    taking->slot_count = 0;
+    for (int i = 0; i < taking->request.percentiles; i++) {
+        hdr_population of = taking->request.percentile[i].of;
+        if (taking->sweep < taking->digits[of]) taking->percentile_slot[i] = slot_for(taking, of, taking->prefix[i]);
+    }
+    return taking->slot_count > 0;
+}
+
+hdr_taking *hdr_taking_new(const hdr_request *request, int height, int threads, bool float_components, hdr_error *err) {
     hdr_taking *taking = hdr_alloc(1, sizeof *taking);
     if (!taking) goto out;
     taking->request = *request;
     taking->height = height;
     taking->threads = threads;
-    for (int i = 0; i < request->percentiles; i++)
-        taking->percentile_slot[i] = slot_for(taking, request->percentile[i].of, 0);
+    for (int p = 0; p < HDR_POPULATIONS; p++)
+        taking->digits[p] = p == HDR_OF_COMPONENTS && !float_components ? 4 : 2;
+    assign_slots(taking);
     taking->row_logs = hdr_alloc((size_t)height, sizeof *taking->row_logs);
     taking->tallies = hdr_alloc((size_t)threads, sizeof *taking->tallies);
     if (!taking->row_logs || !taking->tallies) goto out;
-    for (int t = 0; t < threads; t++)
-        for (int i = 0; i < request->percentiles; i++)
-            if (!(taking->tallies[t].histogram[i] = hdr_alloc(BUCKETS, sizeof(uint64_t)))) goto out;
+    taking->table_count = threads < MOST_TABLES ? threads : MOST_TABLES;
+    taking->tables = hdr_alloc((size_t)taking->table_count * (size_t)request->percentiles * BUCKETS, sizeof(counter));
+    if (!taking->tables) goto out;
     hdr_taking_restart(taking);
     return taking;
 out:
@@ -68,9 +100,7 @@ out:
 
 void hdr_taking_free(hdr_taking *taking) {
     if (!taking) return;
-    for (int t = 0; taking->tallies && t < taking->threads; t++)
-        for (int i = 0; i < HDR_MAX_PERCENTILES; i++)
-            free(taking->tallies[t].histogram[i]);
+    free(taking->tables);
     free(taking->tallies);
     free(taking->row_logs);
     free(taking);
@@ -82,38 +112,48 @@ void hdr_taking_restart(hdr_taking *taking) {
         tally empty = {.components = HDR_RANGE_EMPTY, .luminance = HDR_RANGE_EMPTY};
         for (int c = 0; c < 4; c++)
             empty.channel[c] = empty.components;
-        memcpy(empty.histogram, mine->histogram, sizeof empty.histogram);
         *mine = empty;
-        for (int i = 0; i < taking->request.percentiles; i++)
-            memset(mine->histogram[i], 0, BUCKETS * sizeof(uint64_t));
     }
+    for (int t = 0; t < taking->table_count; t++)
+        for (int s = 0; s < taking->slot_count; s++)
+            memset(histogram_of(taking, t, s), 0, BUCKETS * sizeof(counter));
 }
 
 /* ---- A strip ---- */
 
-static void count_keys(const hdr_taking *taking, tally *mine, hdr_population of, const double *values, size_t count) {
+/* The key of a value of this population. Where all are float32, or rounded to it, the lower two digits are 0. */
+static uint64_t key_of(const hdr_taking *taking, hdr_population of, double value, float rounded) {
+    if (taking->digits[of] == 4) {
+        uint64_t bits = hdr_real_bits(value + 0.0); /* -0 is 0 */
+        return bits >> 63 ? ~bits : bits | (uint64_t)1 << 63;
+    }
+    float held = rounded + 0.0f;
+    if (of == HDR_OF_LIT) held = held > 0x1p-149f ? held : 0x1p-149f;
+    return (uint64_t)hdr_float_key(held) << 32;
+}
+
+static double value_of_key(const hdr_taking *taking, hdr_population of, uint64_t key) {
+    if (taking->digits[of] == 4) return hdr_real_from_bits(key >> 63 ? key & ~((uint64_t)1 << 63) : ~key);
+    return (double)hdr_float_of_key((uint32_t)key);
+}
+
+static void count_keys(const hdr_taking *taking, int thread, hdr_population of, const double *values, size_t count) {
     float rounded[HDR_STRIP];
+    int shift = 48 - 16 * taking->sweep;
     hdr_real_to_float(values, rounded, count);
     for (int s = 0; s < taking->slot_count; s++) {
         if (taking->slots[s].of != of) continue;
-        uint64_t *histogram = mine->histogram[s];
+        counter *histogram = histogram_of(taking, thread % taking->table_count, s);
         for (size_t i = 0; i < count; i++) {
-            float value = rounded[i] + 0.0f; /* -0 is 0 */
-            if (of == HDR_OF_LIT) {
-                if (!(values[i] > 0)) continue;
-                value = value > 0x1p-149f ? value : 0x1p-149f;
-            }
-            uint32_t key = hdr_float_key(value);
-            if (taking->sweep == 0)
-                histogram[key >> 16]++;
-            else if (key >> 16 == taking->slots[s].upper)
-                histogram[key & 0xffff]++;
+            if (of == HDR_OF_LIT && !(values[i] > 0)) continue;
+            uint64_t key = key_of(taking, of, values[i], rounded[i]) >> shift;
+            if (taking->sweep == 0 || key >> 16 == taking->slots[s].prefix) count_one(taking, &histogram[key & 0xffff]);
         }
     }
 }
 
 static void count_odd_pixels(tally *mine, const double *const c[3], int planes, const double *y, size_t count) {
-    uint64_t negative = 0, unlit_colour = 0;
+    uint64_t negative = 0, unlit_colour = 0, coloured = 0;
     for (size_t i = 0; i < count; i++) {
         int positive = 0;
         for (int p = 0; p < planes; p++) {
@@ -121,14 +161,15 @@ static void count_odd_pixels(tally *mine, const double *const c[3], int planes, 
             positive |= c[p][i] > 0;
         }
         unlit_colour += positive && !(y[i] > 0);
+        coloured += planes == 3 && (c[0][i] != c[1][i] || c[0][i] != c[2][i]);
     }
     mine->negative += negative;
     mine->unlit_colour += unlit_colour;
+    mine->coloured += coloured;
 }
 
-void hdr_taking_strip(hdr_taking *taking, int thread, int row, const double *const c[3], int planes, const double *y,
+void hdr_taking_strip(hdr_taking *taking, int thread, const double *const c[3], int planes, const double *y,
                       const double *alpha, size_t count) {
-    (void)row;
     tally *mine = &taking->tallies[thread];
     unsigned facts = taking->sweep == 0 ? taking->request.facts : 0;
     mine->pixels += count;
@@ -150,14 +191,14 @@ void hdr_taking_strip(hdr_taking *taking, int thread, int row, const double *con
         wanted[taking->slots[s].of] = true;
     if (wanted[HDR_OF_COMPONENTS])
         for (int p = 0; p < planes; p++)
-            count_keys(taking, mine, HDR_OF_COMPONENTS, c[p], count);
-    if (wanted[HDR_OF_LUMINANCE]) count_keys(taking, mine, HDR_OF_LUMINANCE, y, count);
-    if (wanted[HDR_OF_LIT]) count_keys(taking, mine, HDR_OF_LIT, y, count);
+            count_keys(taking, thread, HDR_OF_COMPONENTS, c[p], count);
+    if (wanted[HDR_OF_LUMINANCE]) count_keys(taking, thread, HDR_OF_LUMINANCE, y, count);
+    if (wanted[HDR_OF_LIT]) count_keys(taking, thread, HDR_OF_LIT, y, count);
 }
 
 void hdr_taking_row_end(hdr_taking *taking, int thread, int row) {
     tally *mine = &taking->tallies[thread];
-    if (taking->sweep > 0) return;
+    if (taking->sweep > 0) return; /* the first has settled all but percentiles */
     taking->row_logs[row] = hdr_sum_lanes(mine->lanes);
     memset(mine->lanes, 0, sizeof mine->lanes);
 }
@@ -183,10 +224,18 @@ static void merge_tallies(hdr_taking *taking) {
         all->lit += mine->lit;
         all->negative += mine->negative;
         all->unlit_colour += mine->unlit_colour;
-        for (int s = 0; s < taking->slot_count; s++)
-            for (int b = 0; b < BUCKETS; b++)
-                all->histogram[s][b] += mine->histogram[s][b];
+        all->coloured += mine->coloured;
     }
+}
+
+/* All tables into the first. */
+static void merge_tables(hdr_taking *taking) {
+    for (int t = 1; t < taking->table_count; t++)
+        for (int s = 0; s < taking->slot_count; s++) {
+            counter *into = histogram_of(taking, 0, s), *from = histogram_of(taking, t, s);
+            for (int b = 0; b < BUCKETS; b++)
+                into[b] += from[b];
+        }
 }
 
 static double finite_or_0(double value) {
@@ -211,6 +260,7 @@ static void fill_facts(hdr_taking *taking) {
     }
     facts->negative = all->negative;
     facts->unlit_colour = all->unlit_colour;
+    facts->coloured = all->coloured;
     /* rows from top to bottom, with the lost low parts carried along (Neumaier 1974) */
     double sum = 0, lost = 0;
     for (int row = 0; row < taking->height; row++) {
@@ -222,7 +272,7 @@ static void fill_facts(hdr_taking *taking) {
 }
 
 /* The bucket in which the value of a rank lies; `below` becomes the number of values in lower buckets. */
-static uint32_t bucket_of_rank(const uint64_t *histogram, uint64_t rank, uint64_t *below) {
+static uint32_t bucket_of_rank(const counter *histogram, uint64_t rank, uint64_t *below) {
     uint64_t seen = 0;
     for (uint32_t b = 0; b < BUCKETS; b++) {
         if (seen + histogram[b] >= rank) {
@@ -235,51 +285,40 @@ static uint32_t bucket_of_rank(const uint64_t *histogram, uint64_t rank, uint64_
     return BUCKETS - 1;
 }
 
-static uint64_t histogram_size(const uint64_t *histogram) {
+static uint64_t histogram_size(const counter *histogram) {
     uint64_t size = 0;
     for (int b = 0; b < BUCKETS; b++)
         size += histogram[b];
     return size;
 }
 
-/* From the upper halves of the keys to the slots of the second sweep. */
-static void refine_slots(hdr_taking *taking) {
-    uint32_t upper[HDR_MAX_PERCENTILES];
+/* One more digit of each percentile. */
+static void find_digits(hdr_taking *taking) {
     for (int i = 0; i < taking->request.percentiles; i++) {
-        const uint64_t *histogram = taking->tallies[0].histogram[taking->percentile_slot[i]];
-        uint64_t size = histogram_size(histogram);
-        taking->population[taking->request.percentile[i].of] = size;
-        uint64_t rank = size ? hdr_nearest_rank(taking->request.percentile[i].percent, size) : 1;
-        upper[i] = bucket_of_rank(histogram, rank, &taking->rank_below[i]);
-    }
-    taking->slot_count = 0;
-    for (int i = 0; i < taking->request.percentiles; i++)
-        taking->percentile_slot[i] = slot_for(taking, taking->request.percentile[i].of, upper[i]);
-}
-
-static void fill_percentiles(hdr_taking *taking) {
-    for (int i = 0; i < taking->request.percentiles; i++) {
-        const slot *in = &taking->slots[taking->percentile_slot[i]];
-        uint64_t size = taking->population[in->of], below;
-        if (!size) continue;
-        uint64_t rank = hdr_nearest_rank(taking->request.percentile[i].percent, size) - taking->rank_below[i];
-        uint32_t lower = bucket_of_rank(taking->tallies[0].histogram[taking->percentile_slot[i]], rank, &below);
-        taking->facts.percentile[i] = (double)hdr_float_of_key(in->upper << 16 | lower);
+        hdr_population of = taking->request.percentile[i].of;
+        if (taking->sweep >= taking->digits[of]) continue;
+        const counter *histogram = histogram_of(taking, 0, taking->percentile_slot[i]);
+        if (taking->sweep == 0) {
+            uint64_t size = histogram_size(histogram);
+            taking->rank[i] = size ? hdr_nearest_rank(taking->request.percentile[i].percent, size) : 0;
+        }
+        uint64_t below = 0;
+        taking->prefix[i] = taking->prefix[i] << 16 | bucket_of_rank(histogram, taking->rank[i], &below);
+        taking->rank[i] -= below;
+        bool known = taking->sweep == taking->digits[of] - 1 && taking->rank[i] > 0;
+        if (known) taking->facts.percentile[i] = value_of_key(taking, of, taking->prefix[i]);
     }
 }
 
 bool hdr_taking_next(hdr_taking *taking, hdr_facts *facts) {
     merge_tallies(taking);
-    if (taking->sweep == 0) {
-        fill_facts(taking);
-        if (taking->request.percentiles > 0) {
-            refine_slots(taking);
-            taking->sweep = 1;
-            hdr_taking_restart(taking);
-            return true;
-        }
-    } else {
-        fill_percentiles(taking);
+    merge_tables(taking);
+    if (taking->sweep == 0) fill_facts(taking);
+    find_digits(taking);
+    taking->sweep++;
+    if (assign_slots(taking)) {
+        hdr_taking_restart(taking);
+        return true;
     }
     *facts = taking->facts;
     return false;

@@ -12,7 +12,7 @@ enum {
         4, /* min and max of each channel, alpha included; negative components, pixels with colour that are not lit */
 };
 
-/* Of which values a percentile is taken, each rounded to float32. */
+/* Of which values a percentile is taken. Luminances are rounded to float32 for it, components are not. */
 typedef enum hdr_population {
     HDR_OF_COMPONENTS, /* all colour components */
     HDR_OF_LUMINANCE,  /* Y of all pixels */
@@ -38,15 +38,16 @@ typedef struct hdr_facts {
     uint64_t pixels, lit;
     double min_component, max_component, min_positive_component; /* the last: 0 when none is positive */
     double min_luminance, max_luminance, min_lit;                /* min_lit: 0 when nothing is lit */
-    double log_average;                    /* exp(mean ln Y) over lit pixels; 0 when nothing is lit */
-    double channel_min[4], channel_max[4]; /* R G B (or Y) and, in [3], alpha */
-    uint64_t negative, unlit_colour;
-    double percentile[HDR_MAX_PERCENTILES]; /* in the order of the request; 0 for an empty population */
+    double log_average;                        /* exp(mean ln Y) over lit pixels; 0 when nothing is lit */
+    double channel_min[4], channel_max[4];     /* R G B (or Y) and, in [3], alpha */
+    uint64_t negative, unlit_colour, coloured; /* coloured: pixels whose components are not all equal */
+    double percentile[HDR_MAX_PERCENTILES];    /* in the order of the request; 0 for an empty population */
 } hdr_facts;
 
-/* A taking of facts: one or two sweeps over all rows of the data window (two where percentiles are asked for). */
+/* A taking of facts: one sweep over all rows of the data window; two where percentiles are asked for, four for those of
+ * components, unless all components are float32 values (float_components). */
 typedef struct hdr_taking hdr_taking;
-hdr_taking *hdr_taking_new(const hdr_request *request, int height, int threads, hdr_error *err);
+hdr_taking *hdr_taking_new(const hdr_request *request, int height, int threads, bool float_components, hdr_error *err);
 void hdr_taking_free(hdr_taking *taking);
 
 /* Forgets what the sweep under way has taken: it starts again. */
@@ -54,7 +55,7 @@ void hdr_taking_restart(hdr_taking *taking);
 
 /* A strip of a row: its pixels after all steps before the clause. The strips of a row come from left to right on one
  * thread; all but the last have a multiple of 8 pixels. y: luminance. alpha may be NULL; planes 1 or 3. */
-void hdr_taking_strip(hdr_taking *taking, int thread, int row, const double *const c[3], int planes, const double *y,
+void hdr_taking_strip(hdr_taking *taking, int thread, const double *const c[3], int planes, const double *y,
                       const double *alpha, size_t count);
 void hdr_taking_row_end(hdr_taking *taking, int thread, int row);
 

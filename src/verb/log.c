@@ -95,9 +95,10 @@ HDR_INLINE double log_range_of(const hdr_constants *k, double y) {
 }
 HDR_CURVE(log_range)
 
-/* The same where hi = lo: 1 where log10 Y >= lo, else 0; 10^lo = v[0] > 0. */
+/* The same where hi = lo: 1 where log10 Y >= lo, else 0; 10^lo = v[0] > 0. Percentiles are of Y
+ * rounded to float32, and so is Y here: a picture of one colour is all lo, and not below it by what was rounded off. */
 HDR_INLINE double log_step_of(const hdr_constants *k, double y) {
-    return y >= k->v[0] ? 1 : 0;
+    return (double)(float)y >= k->v[0] ? 1 : 0;
 }
 HDR_CURVE(log_step)
 
@@ -174,7 +175,8 @@ const hdr_verb hdr_verb_log = {
                   "--mode range: Ld = (log10 Y - lo) / (hi - lo), held to [0,1]; lo and hi are the --percentile of "
                   "log10 Y over lit "
                   "pixels and its counterpart from above, by nearest rank. Where hi = lo, Ld is 1 for log10 Y >= lo, "
-                  "else 0.\n\n"
+                  "else 0; Y is rounded to float32 for this as it is for percentiles, so that a picture of one colour "
+                  "is not black by what was rounded off.\n\n"
                   "--mode literal: C' = ln C for each channel, with C raised to the smallest positive component of the "
                   "picture first. "
                   "The result is not held to any range; it is of use for looking at, or as input of other programs.\n\n"

@@ -1,6 +1,7 @@
 #include "verb/verb.h"
 
 #include <string.h>
+#include <strings.h>
 
 /* The skeleton's test builds this file with a list of its own. */
 #ifndef HDR_VERBS_DEF
@@ -26,6 +27,18 @@ const hdr_verb *hdr_verb_find(const char *name) {
     for (int i = 0; registry[i]; i++)
         if (!strcmp(registry[i]->about.name, name)) return registry[i];
     return NULL;
+}
+
+const hdr_verb *hdr_verb_of_ending(const char *path) {
+    const char *slash = strrchr(path, '/'), *ending = strrchr(slash ? slash : path, '.');
+    for (int i = 0; ending && registry[i]; i++)
+        if (registry[i]->format && !strcasecmp(registry[i]->format->extension, ending)) return registry[i];
+    return NULL;
+}
+
+const hdr_verb_about *hdr_format_named(const char *path) {
+    const hdr_verb *verb = hdr_verb_of_ending(path);
+    return verb ? &verb->about : NULL;
 }
 
 const hdr_verb_about *hdr_verb_at(int index) {

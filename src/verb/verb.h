@@ -110,6 +110,9 @@ struct hdr_verb {
 const hdr_verb *hdr_verb_find(const char *name);
 const hdr_verb *hdr_verb_number(int index); /* NULL behind the last */
 
+/* The format whose files end so. NULL: the name has no ending, or another one. */
+const hdr_verb *hdr_verb_of_ending(const char *path);
+
 /* ---- What luminance verbs share ---- */
 
 typedef struct hdr_luminance_params {

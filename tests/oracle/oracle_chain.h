@@ -142,8 +142,7 @@ static int oracle_order(const void *a, const void *b) {
     return (*x > *y) - (*x < *y);
 }
 
-/* What a percentile is taken of, rounded to float32: components, or Y (a lit pixel's to at least 2^-149). SPEC says so
- * of Y only; of components it makes a difference where alpha was divided out, or a verb stands in front. */
+/* What a percentile is taken of: components, or Y rounded to float32 (a lit pixel's to at least 2^-149). */
 static oracle_values oracle_compute_values(const oracle_chain *chain, oracle_population population) {
     const oracle_picture *picture = chain->picture;
     oracle_values values = {oracle_alloc(picture->pixels * 3, sizeof(long double)), 0};
@@ -151,7 +150,7 @@ static oracle_values oracle_compute_values(const oracle_chain *chain, oracle_pop
         long double c[3];
         oracle_pixel(chain, chain->count, i, c);
         for (int p = 0; population == ORACLE_COMPONENTS && p < picture->planes; p++)
-            values.value[values.count++] = (float)c[p];
+            values.value[values.count++] = c[p];
         if (population == ORACLE_COMPONENTS) continue;
         long double y = wide_luminance(&chain->weights, picture->planes, c);
         if (y <= 0 && population == ORACLE_LIT) continue;

@@ -47,7 +47,8 @@ static REAL OF(log_shifted)(const oracle_step *step, REAL y) {
 /* log --mode range: Ld = (log10 Y - lo) / (hi - lo), clamped to [0,1]; hi = lo: 1 where log10 Y >= lo, else 0. */
 static REAL OF(log_range)(const oracle_step *step, REAL y) {
     REAL low_luminance = OF(from)(step->low_luminance);
-    if (step->low_luminance == step->high_luminance) return OF(from)(OF(compare)(y, low_luminance) >= 0);
+    if (step->low_luminance == step->high_luminance) /* Y rounded as lo is: hdr-log(1) says so */
+        return OF(from)((float)OF(to)(y) >= step->low_luminance);
     REAL low = OF(log10)(low_luminance), high = OF(log10)(OF(from)(step->high_luminance));
     return OF(within)(OF(divide)(OF(subtract)(OF(log10)(y), low), OF(subtract)(high, low)), 0, 1);
 }
@@ -175,8 +176,9 @@ static bool OF(at_jump)(const oracle_step *step, int planes, const REAL c[3]) {
     if (step->verb != ORACLE_LOG || step->mode != ORACLE_RANGE || step->low_luminance != step->high_luminance)
         return false;
     if (planes == 1 || (!OF(compare)(c[0], c[1]) && !OF(compare)(c[0], c[2]))) return false;
-    REAL difference = OF(subtract)(OF(luminance)(&step->weights, planes, c), OF(from)(step->low_luminance));
-    return fabsl(OF(to)(difference)) <= 0x1p-51L * step->low_luminance;
+    long double low = step->low_luminance, edge = (low + nextafterf((float)low, 0)) / 2; /* where Y rounds to lo */
+    REAL difference = OF(subtract)(OF(luminance)(&step->weights, planes, c), OF(from)(edge));
+    return fabsl(OF(to)(difference)) <= 0x1p-51L * low;
 }
 
 /* Takes a pixel through steps. Lowers *nearest to the distance of the boundary that a quantise among them came nearest
