@@ -110,9 +110,7 @@ static const char *redirected_name(char *path, size_t size) {
     ssize_t length = readlink("/proc/self/fd/1", path, size - 1);
     if (length <= 0) return plain;
     path[length] = '\0';
-    const char *dot = strrchr(path, '.');
-    const hdr_verb_about *format = dot ? hdr_verb_named(dot + 1) : NULL;
-    return format && format->kind == HDR_FORMAT ? path : plain;
+    return hdr_format_named(path) ? path : plain;
 }
 
 static hdr_output *open_output(const hdr_chain *chain, hdr_error *error) {
