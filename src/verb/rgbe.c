@@ -39,7 +39,8 @@ const hdr_verb hdr_verb_rgbe = {
              "a step more in every component, 0.2 to 0.4 percent of the largest. Pixels are divided by the product "
              "of the header's EXPOSURE values. Without PRIMARIES in the header they are taken for Rec.709's, as "
              "everywhere but in Radiance. All orientations, all three ways to store a row, and XYZ pixels "
-             "(32-bit_rle_xyze) are read.",
+             "(32-bit_rle_xyze, whose numbers are taken as they stand: Radiance's are 179 times those of RGB) are "
+             "read.",
          .examples = examples,
          .options = options,
          .kind = HDR_FORMAT},
