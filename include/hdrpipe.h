@@ -114,8 +114,8 @@ typedef struct hdr_verb_about {
 const hdr_verb_about *hdr_verb_at(int index);
 const hdr_verb_about *hdr_verb_named(const char *name); /* NULL: there is none */
 
-/* The format that a file's name tells by its ending (.png, .exr, ..., in either case). NULL: none that is written. */
-const hdr_verb_about *hdr_format_named(const char *path);
+/* The format whose ending a file's name has: "a.hdr" is rgbe's. NULL: no format has it. */
+const hdr_verb_about *hdr_format_named(const char *file_name);
 
 /* ---- Pictures -------------------------------------------------------------------------------------------------------
  */
@@ -146,7 +146,8 @@ typedef struct hdr_picture {
     hdr_window display; /* the frame */
     int planes;         /* colour planes: 1 (luminance only) or 3 (R, G, B) */
     bool has_alpha;
-    hdr_channel channels[4]; /* those that are read: R G B or Y, then A where there is one; [3] is A's place */
+    hdr_channel channels[4]; /* those that are read: R G B or Y, then A where there is one; [3] is A's place. X Y Z of a
+                                file that holds those: its primaries are X, Y and Z */
     bool present[4];         /* false: the file has no such channel; R, G or B read as 0 then */
     bool has_chromaticities; /* the file says which primaries; otherwise Rec.709 is assumed */
     hdr_chromaticities chromaticities; /* filled in either case */
@@ -154,7 +155,7 @@ typedef struct hdr_picture {
     double neutral[2];
     float pixel_aspect;
     char state[64];       /* "linear", or what the pixels are encoded with, as the file tells: "srgb", "gamma 2.2" */
-    char format[16];      /* "exr", "planes" */
+    char format[16];      /* "exr", "rgbe", "pfm", "pfs", "planes" */
     char storage[16];     /* "scan-line", "tiled" */
     char compression[16]; /* "none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a" */
 } hdr_picture;
@@ -249,7 +250,7 @@ typedef struct hdr_listener {
 } hdr_listener;
 
 /* Runs the chain on the input and writes the result to the output. The format is that of the chain's last verb; where
- * that is no format, by the ending of the output's name (.png .exr .pfm; another ending: HDR_USAGE), else EXR. If the
+ * that is no format, by the ending of the output's name (hdr_format_named; another ending: HDR_USAGE), else EXR. If the
  * input begins with a pipe's head, its clauses come first. A listener of NULL hears nothing. The chain is not used up.
  */
 hdr_status hdr_chain_run(hdr_chain *chain, hdr_input *input, hdr_output *output, const hdr_listener *listener,

@@ -172,6 +172,13 @@ static double to_double(const char *text) {
     return value;
 }
 
+const char *hdr_read_number(const char *text, double *value) {
+    const char *end = end_of_number(text);
+    if (!end || !strchr(" \t\r\n", *end)) return NULL; /* which finds the closing NUL too */
+    *value = to_double(text);
+    return end;
+}
+
 static bool in_range(const hdr_option *option, double value) {
     if (!isfinite(value)) return false;
     if (option->min == 0 && option->max == 0) return true;

@@ -61,4 +61,8 @@ uint64_t hdr_nearest_rank(hdr_decimal percent, uint64_t count);
 hdr_decimal hdr_decimal_complement(hdr_decimal percent);
 double hdr_decimal_value(hdr_decimal decimal);
 
+/* A decimal number at the beginning of text, which white space or the end of text must follow. Returns its end, or
+ * NULL. What is beyond double becomes infinite. */
+const char *hdr_read_number(const char *text, double *value);
+
 #endif

@@ -173,21 +173,32 @@ static hdr_status plan_filters(planning *p, hdr_error *err) {
 
 /* ---- Formats ---- */
 
+/* The endings of all formats: ".png .exr". */
+static void list_endings(char *text, size_t size) {
+    size_t used = 0;
+    text[0] = '\0';
+    for (int i = 0; hdr_verb_number(i) && used < size; i++) {
+        const hdr_format *format = hdr_verb_number(i)->format;
+        if (format) used += (size_t)snprintf(text + used, size - used, "%s%s", used ? " " : "", format->extension);
+    }
+}
+
 /* The format that is written: the last clause's, or by the ending of the output's name, or EXR. */
 static hdr_status choose_format(const hdr_chain *chain, const hdr_output *output, const hdr_verb **verb,
                                 hdr_error *err) {
     const hdr_clause *last = chain->count ? &chain->clauses[chain->count - 1] : NULL;
     if (last && last->verb->about.kind == HDR_PROGRAM)
         return hdr_fail(err, HDR_USAGE, "%s writes no picture", last->verb->about.name);
-    const char *name = hdr_output_name(output), *slash = strrchr(name, '/');
-    const char *ending = strrchr(slash ? slash : name, '.');
-    const hdr_verb *named = hdr_verb_of_ending(name);
+    const char *name = hdr_output_name(output), *ending;
+    const hdr_verb *named = hdr_verb_of_file(name, &ending);
     *verb = last && last->verb->format ? last->verb : ending ? named : hdr_verb_find("exr");
     if (*verb && named && named != *verb)
         return hdr_fail(err, HDR_USAGE, "%s: the chain ends in %s, which is no %s", name, (*verb)->about.name, ending);
     if (*verb) return HDR_OK;
-    return hdr_fail(err, HDR_USAGE, "%s: the ending %s is of no format that hdrpipe writes (.png .exr .pfm)", name,
-                    ending);
+    char endings[100];
+    list_endings(endings, sizeof endings);
+    return hdr_fail(err, HDR_USAGE, "%s: the ending %s is of no format that hdrpipe writes (%s)", name, ending,
+                    endings);
 }
 
 /* What a format of codes adds where the chain has neither encoded nor quantised. */
@@ -202,6 +213,26 @@ static hdr_status encode_for_codes(planning *p, hdr_error *err) {
     return status;
 }
 
+/* Linear pictures of other primaries, by what the format does about them. */
+static hdr_status suit_primaries(planning *p, const hdr_verb *verb, hdr_error *err) {
+    bool xyz = !hdr_chromaticities_differ(&p->run->source->picture.chromaticities, &hdr_cie_xyz);
+    bool convertible = p->foreign && !strcmp(p->state, "linear");
+    switch (verb->format->primaries) {
+    case HDR_PRIMARIES_XYZ:
+        return xyz || !convertible ? HDR_OK : convert_primaries(p, err);
+    case HDR_PRIMARIES_CONVERTED:
+        return convertible ? convert_primaries(p, err) : HDR_OK;
+    case HDR_PRIMARIES_LOST:
+        if (p->foreign)
+            hdr_say(p->run->listener, HDR_NOTE, "%s cannot tell the picture's primaries, which are not Rec.709's",
+                    verb->about.name);
+        break;
+    case HDR_PRIMARIES_TOLD:
+        break;
+    }
+    return HDR_OK;
+}
+
 static hdr_status write_picture(planning *p, const hdr_verb *format, hdr_output *output, hdr_error *err) {
     const hdr_chain *chain = p->run->chain;
     const hdr_clause *last = chain->count ? &chain->clauses[chain->count - 1] : NULL;
@@ -209,7 +240,7 @@ static hdr_status write_picture(planning *p, const hdr_verb *format, hdr_output 
     if (!params) return hdr_fail(err, HDR_INTERNAL, "out of memory");
     hdr_options_default(format->about.options, params);
     if (last && last->verb == format) memcpy(params, last->params, format->params_size);
-    hdr_status status = format->format->codes ? encode_for_codes(p, err) : HDR_OK;
+    hdr_status status = format->format->codes ? encode_for_codes(p, err) : suit_primaries(p, format, err);
     if (!status) status = hdr_run_write(p->run, format, params, output, p->state, p->bits, p->converted, err);
     if (!status && !format->format->alpha && !p->run->raw.opaque)
         hdr_say(p->run->listener, HDR_NOTE, "%s has no alpha: it is left out", format->about.name);

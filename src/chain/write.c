@@ -310,7 +310,9 @@ hdr_status hdr_run_write(hdr_run *run, const hdr_verb *format, const void *param
     bool table = w.frame.sample == HDR_SAMPLE_U8 && !run->settings.reference && !run->settings.no_skip;
     if (!status && table) {
         w.table = hdr_alloc(1, sizeof *w.table);
-        w.tabulated = w.table && hdr_steps_tabulate(run->steps + w.tail, run->step_count - w.tail, w.table);
+        const hdr_step *tail =
+            w.tail ? run->steps + w.tail : run->steps; /* none at all: NULL, to which 0 is not added */
+        w.tabulated = w.table && hdr_steps_tabulate(tail, run->step_count - w.tail, w.table);
     }
     if (!status && !run->raw.certain && !sees_all(&w)) {
         hdr_run_keep(run);

@@ -16,18 +16,28 @@ static const struct {
      "a PNG, a display picture already; the chain wants the HDR picture (EXR) that it was made from"},
     {"\xff\xd8\xff", 3,
      "a JPEG, a display picture already; the chain wants the HDR picture (EXR) that it was made from"},
-    {"#?RADIANCE", 10, "a Radiance HDR picture, which is not read; convert it to EXR"},
-    {"#?RGBE", 6, "a Radiance HDR picture, which is not read; convert it to EXR"},
-    {"PF\n", 3, "a PFM picture, which is not read; convert it to EXR"},
-    {"Pf\n", 3, "a PFM picture, which is not read; convert it to EXR"},
-    {"PFS1\n", 5, "a PFS stream, which is not read; convert it to EXR"},
     {"II*\0", 4, "a TIFF, which is not read; convert it to EXR"},
     {"MM\0*", 4, "a TIFF, which is not read; convert it to EXR"},
     {"\x1f\x8b", 2, "gzip data; unpack it first"},
     {"hdrpipe ", 8, "the head of a pipe, where a picture should begin"},
 };
 
-static const unsigned char exr_magic[4] = {0x76, 0x2f, 0x31, 0x01};
+/* Formats that are read. */
+static const struct {
+    const char *magic;
+    size_t length;
+    hdr_source *(*open)(hdr_input *input, const hdr_reading *reading, hdr_error *err);
+} known[] = {
+    {"\x76\x2f\x31\x01", 4, hdr_exr_open},
+    {"#?", 2, hdr_rgbe_open}, /* RADIANCE or RGBE, as a rule */
+    {"PF\n", 3, hdr_pfm_open},
+    {"PF\r", 3, hdr_pfm_open},
+    {"PF ", 3, hdr_pfm_open},
+    {"Pf\n", 3, hdr_pfm_open},
+    {"Pf\r", 3, hdr_pfm_open},
+    {"Pf ", 3, hdr_pfm_open},
+    {"PFS1\n", 5, hdr_pfs_open},
+};
 
 /* The first bytes as a C string would be written. */
 static void show_bytes(const unsigned char *bytes, size_t count, char text[4 * SHOWN + 1]) {
@@ -41,14 +51,17 @@ static hdr_status refuse(hdr_input *input, const unsigned char *bytes, size_t co
     const char *name = hdr_input_name(input);
     if (count == 0)
         return hdr_fail(err, HDR_BAD_DATA, "%s: no data: the program before this one may have failed", name);
-    if (count < sizeof exr_magic && memcmp(bytes, exr_magic, count) == 0)
-        return hdr_fail(err, HDR_BAD_DATA, "%s: the file ends within its header", name);
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
+        if (count < known[i].length && memcmp(bytes, known[i].magic, count) == 0)
+            return hdr_fail(err, HDR_BAD_DATA, "%s: the file ends within its header", name);
     for (size_t i = 0; i < sizeof strangers / sizeof strangers[0]; i++)
         if (count >= strangers[i].length && memcmp(bytes, strangers[i].magic, strangers[i].length) == 0)
             return hdr_fail(err, HDR_BAD_DATA, "%s: this is %s", name, strangers[i].what);
     char text[4 * SHOWN + 1];
     show_bytes(bytes, count, text);
-    return hdr_fail(err, HDR_BAD_DATA, "%s: not a picture that hdrpipe reads (EXR); it begins with \"%s\"", name, text);
+    return hdr_fail(err, HDR_BAD_DATA,
+                    "%s: not a picture that hdrpipe reads (EXR, Radiance HDR, PFM, PFS); it begins with \"%s\"", name,
+                    text);
 }
 
 hdr_source *hdr_source_open(hdr_input *input, const hdr_reading *reading, hdr_error *err) {
@@ -56,8 +69,9 @@ hdr_source *hdr_source_open(hdr_input *input, const hdr_reading *reading, hdr_er
     unsigned char start[LOOKED_AT];
     int64_t count = hdr_input_read(input, start, sizeof start, 0, err);
     if (count < 0) return NULL;
-    if ((size_t)count >= sizeof exr_magic && memcmp(start, exr_magic, sizeof exr_magic) == 0)
-        return hdr_exr_open(input, reading, err);
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
+        if ((size_t)count >= known[i].length && memcmp(start, known[i].magic, known[i].length) == 0)
+            return known[i].open(input, reading, err);
     refuse(input, start, (size_t)count, err);
     return NULL;
 }

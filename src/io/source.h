@@ -32,6 +32,9 @@ void hdr_source_close(hdr_source *source);
 
 /* The formats. */
 hdr_source *hdr_exr_open(hdr_input *input, const hdr_reading *reading, hdr_error *err);
+hdr_source *hdr_pfm_open(hdr_input *input, const hdr_reading *reading, hdr_error *err);
+hdr_source *hdr_rgbe_open(hdr_input *input, const hdr_reading *reading, hdr_error *err);
+hdr_source *hdr_pfs_open(hdr_input *input, const hdr_reading *reading, hdr_error *err);
 hdr_source *hdr_planes_open(hdr_input *input, hdr_error *err);
 
 #endif

@@ -4,6 +4,7 @@
 #include <string.h>
 
 const hdr_chromaticities hdr_rec709 = {{0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}, {0.3127, 0.3290}};
+const hdr_chromaticities hdr_cie_xyz = {{1, 0}, {0, 1}, {0, 0}, {1 / 3.0, 1 / 3.0}};
 
 bool hdr_chromaticities_differ(const hdr_chromaticities *a, const hdr_chromaticities *b) {
     const double *p[4] = {a->red, a->green, a->blue, a->white}, *q[4] = {b->red, b->green, b->blue, b->white};
@@ -94,17 +95,23 @@ static bool bradford(const double from[2], const double to[2], double m[9]) {
 }
 
 bool hdr_matrix_to_rec709(const hdr_chromaticities *primaries, const double neutral[2], bool adapt, double m[9]) {
-    static const hdr_chromaticities xyz = {{1, 0}, {0, 1}, {0, 0}, {1 / 3.0, 1 / 3.0}};
     hdr_chromaticities without_white = *primaries;
-    memcpy(without_white.white, xyz.white, sizeof xyz.white);
+    memcpy(without_white.white, hdr_cie_xyz.white, sizeof hdr_cie_xyz.white);
     double to_xyz[9], rec709[9], from_xyz[9], adaptation[9], adapted[9];
     if (!rgb_to_xyz(primaries, to_xyz) || !rgb_to_xyz(&hdr_rec709, rec709) || !invert(rec709, from_xyz)) return false;
-    if (adapt && hdr_chromaticities_differ(&without_white, &xyz)) {
+    if (adapt && hdr_chromaticities_differ(&without_white, &hdr_cie_xyz)) {
         if (!bradford(neutral, hdr_rec709.white, adaptation)) return false;
         multiply(adaptation, to_xyz, adapted);
     } else {
         memcpy(adapted, to_xyz, sizeof adapted);
     }
     multiply(from_xyz, adapted, m);
+    return true;
+}
+
+bool hdr_matrix_to_xyz(const hdr_chromaticities *primaries, double m[9]) {
+    static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    if (hdr_chromaticities_differ(primaries, &hdr_cie_xyz)) return rgb_to_xyz(primaries, m);
+    memcpy(m, identity, sizeof identity);
     return true;
 }

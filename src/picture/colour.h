@@ -5,6 +5,7 @@
 #include "base/base.h"
 
 extern const hdr_chromaticities hdr_rec709;
+extern const hdr_chromaticities hdr_cie_xyz; /* X, Y and Z themselves as primaries; white where they are equal */
 
 /* True where some coordinate differs by more than 1e-5. */
 bool hdr_chromaticities_differ(const hdr_chromaticities *a, const hdr_chromaticities *b);
@@ -16,5 +17,9 @@ bool hdr_luminance_weights(const hdr_chromaticities *primaries, double weights[3
 /* RGB of these primaries to linear Rec.709, m by rows. Unless adapt is false or the primaries are those of XYZ itself,
  * white is adapted from neutral (x, y) to D65 by Bradford. False if the primaries span no triangle. */
 bool hdr_matrix_to_rec709(const hdr_chromaticities *primaries, const double neutral[2], bool adapt, double m[9]);
+
+/* RGB of these primaries to XYZ with white at Y = 1, m by rows; exactly the identity for hdr_cie_xyz. False if the
+ * primaries span no triangle. */
+bool hdr_matrix_to_xyz(const hdr_chromaticities *primaries, double m[9]);
 
 #endif

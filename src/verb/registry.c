@@ -29,18 +29,6 @@ const hdr_verb *hdr_verb_find(const char *name) {
     return NULL;
 }
 
-const hdr_verb *hdr_verb_of_ending(const char *path) {
-    const char *slash = strrchr(path, '/'), *ending = strrchr(slash ? slash : path, '.');
-    for (int i = 0; ending && registry[i]; i++)
-        if (registry[i]->format && !strcasecmp(registry[i]->format->extension, ending)) return registry[i];
-    return NULL;
-}
-
-const hdr_verb_about *hdr_format_named(const char *path) {
-    const hdr_verb *verb = hdr_verb_of_ending(path);
-    return verb ? &verb->about : NULL;
-}
-
 const hdr_verb_about *hdr_verb_at(int index) {
     const hdr_verb *verb = hdr_verb_number(index);
     return verb ? &verb->about : NULL;
@@ -48,5 +36,19 @@ const hdr_verb_about *hdr_verb_at(int index) {
 
 const hdr_verb_about *hdr_verb_named(const char *name) {
     const hdr_verb *verb = hdr_verb_find(name);
+    return verb ? &verb->about : NULL;
+}
+
+const hdr_verb *hdr_verb_of_file(const char *file_name, const char **ending) {
+    const char *slash = strrchr(file_name, '/');
+    *ending = strrchr(slash ? slash : file_name, '.');
+    for (int i = 0; *ending && registry[i]; i++)
+        if (registry[i]->format && !strcasecmp(registry[i]->format->extension, *ending)) return registry[i];
+    return NULL;
+}
+
+const hdr_verb_about *hdr_format_named(const char *file_name) {
+    const char *ending;
+    const hdr_verb *verb = hdr_verb_of_file(file_name, &ending);
     return verb ? &verb->about : NULL;
 }

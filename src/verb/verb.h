@@ -83,11 +83,20 @@ typedef enum hdr_verdict {
     HDR_REFUSE /* err is filled */
 } hdr_verdict;
 
+/* What becomes of a linear picture whose primaries are not Rec.709's. */
+typedef enum hdr_format_primaries {
+    HDR_PRIMARIES_TOLD,      /* the file tells them, or holds codes */
+    HDR_PRIMARIES_CONVERTED, /* it is converted: readers take them for Rec.709's whatever the file says */
+    HDR_PRIMARIES_XYZ,       /* the file holds X, Y and Z: the same, but for a picture of those */
+    HDR_PRIMARIES_LOST       /* the file cannot tell them: that is said */
+} hdr_format_primaries;
+
 /* What a format verb provides. */
 typedef struct hdr_format {
     const char *extension; /* ".png" */
     bool codes; /* it holds codes: the chain encodes and quantises if no verb has; its alpha is unassociated */
     bool alpha; /* it can hold alpha */
+    hdr_format_primaries primaries;
     /* Codes: the bits of a sample, after an explicit quantisation to `quantised` bits (0: none). */
     int (*bits)(const void *params, int quantised);
     hdr_sample (*sample)(const void *params, int bits);
@@ -110,8 +119,9 @@ struct hdr_verb {
 const hdr_verb *hdr_verb_find(const char *name);
 const hdr_verb *hdr_verb_number(int index); /* NULL behind the last */
 
-/* The format whose files end so. NULL: the name has no ending, or another one. */
-const hdr_verb *hdr_verb_of_ending(const char *path);
+/* The format that a file's name calls for by its ending, in any case of letters. *ending: where that begins, or NULL
+ * where the name has none. NULL: no format has it. */
+const hdr_verb *hdr_verb_of_file(const char *file_name, const char **ending);
 
 /* ---- What luminance verbs share ---- */
 

@@ -65,6 +65,9 @@ done
 for name in Adjuster Bonita Cannon Garden XYZ beachball_layers; do
     expect_status 0 "$name" "$hdr" log : png -o "$work/a.png" "$corpus/storage/$name.exr"
 done
+for name in sample.hdr test.pfm; do
+    expect_status 0 "$name" "$hdr" log : png -o "$work/a.png" "$corpus/storage/$name"
+done
 # not_read FILE WORD: refused with a sentence that says what it is
 not_read() {
     expect_status 65 "$1" "$hdr" png -o "$work/out/a.png" "$corpus/storage/$1"
@@ -78,8 +81,6 @@ not_read XYZ_YC.exr luminance-chroma
 not_read beachball_multipart.exr multi-part
 not_read deep_trunks.exr 'deep data'
 not_read dwa_night.exr DWAB
-not_read sample.hdr Radiance
-not_read test.pfm PFM
 
 # ---- Damaged files -----------------------------------------------------------------------------------------------
 

@@ -274,7 +274,7 @@ expect_status 0 'which is whole' "$hdr" png -o "$work/out/itself.png" "$work/its
 
 # a reader that goes away is no fault, and no word is said
 to_nobody() { { "$hdr" "$@"; echo $? >"$work/pipe_status"; } | head -c 1 >/dev/null; }
-for verb in png exr pfm; do
+for verb in $(verbs_of_kind format); do
     expect_status 0 "$verb to a reader that goes away" to_nobody "$verb" "$picture"
     check "$verb to a reader that goes away: ended by SIGPIPE" test "$(cat "$work/pipe_status")" -eq 141
     check "$verb to a reader that goes away: quiet" stderr_lines 0

@@ -166,7 +166,7 @@ static void check_refusals(void) {
     check_refused_bytes("\x76\x2f", 2, "ends within");
     check_refused_bytes("\x89PNG\r\n\x1a\n1234", 12, "PNG");
     check_refused_bytes("\xff\xd8\xff\xe0", 4, "JPEG");
-    check_refused_bytes("#?RADIANCE\n", 11, "Radiance");
+    check_refused_bytes("#?RADIANCE\n", 11, "ends within");
     check_refused_bytes("what\n is this", 13, "begins with \"what\\x0a is\"");
     hdr_error error = {.status = HDR_OK};
     CHECK(!hdr_input_open("no such file", &error) && error.status == HDR_NO_INPUT, "missing: %s", error.message);
