@@ -6,13 +6,15 @@
 #   make lint    formatting, warnings of gcc and clang, man pages, shell scripts
 #   make install PREFIX=/usr/local DESTDIR=
 #
-# Variables: CC, BUILD (another directory builds out of tree), SAN=address,undefined, WERROR=1, NO_DEPS=1 (never installs),
-# CFLAGS and LDFLAGS (added to the project's own).
+# Variables: CC, CXX (for the plug-in alone), BUILD (another directory builds out of tree), SAN=address,undefined, WERROR=1,
+# NO_DEPS=1 (never installs), CFLAGS, CXXFLAGS and LDFLAGS (added to the project's own). Give PREFIX when building, too, if
+# programs of your own are to use the library: they look for plug-ins there.
 
 PREFIX ?= /usr/local
 DESTDIR ?=
 BUILD ?= build
 CFLAGS ?= -O3 -g
+CXXFLAGS ?= -O2 -g
 WERROR ?=
 SAN ?=
 NO_DEPS ?=
@@ -28,21 +30,38 @@ SANITIZE := $(if $(SAN),-fsanitize=$(SAN) -fno-omit-frame-pointer -fno-sanitize-
 ALL_CFLAGS = $(CFLAGS) $(STANDARD) $(EXACT) $(WARNINGS) $(SANITIZE) -pthread -Iinclude
 OPENEXR_CFLAGS = $(shell pkg-config --cflags OpenEXR 2>/dev/null)
 LIBS := -lOpenEXRCore -lpng -ldeflate -lisal -lz -lm
-PACKAGES := pkg-config libopenexr-dev libpng-dev libdeflate-dev libisal-dev zlib1g-dev
-LINT_PACKAGES := clang clang-format shellcheck cppcheck mandoc g++
-CHECK_PACKAGES := libmpfr-dev mandoc pngcheck
+PACKAGES := pkg-config libopenexr-dev libpng-dev libdeflate-dev libisal-dev zlib1g-dev g++
+LINT_PACKAGES := clang clang-format shellcheck cppcheck mandoc
+CHECK_PACKAGES := libmpfr-dev mandoc pngcheck openexr
 
 SOURCES := $(filter-out src/verb/skeleton.c,$(wildcard src/*/*.c))
 OBJECTS := $(SOURCES:%.c=$(BUILD)/%.o)
 COMMANDS := $(patsubst %.c,$(BUILD)/%.o,$(wildcard cmd/*.c))
 LIBRARY := $(BUILD)/libhdrpipe.a
 PROGRAM := $(BUILD)/hdr
+
+comma := ,
+# The plug-in is the only C++. It is built where there is a compiler for it and OpenEXR has its C++ headers.
+ifeq ($(origin CXX),default)
+CXX := $(if $(findstring clang,$(CC)),clang++,c++)
+endif
+OPENEXR_CXX_HEADER := $(wildcard $(shell pkg-config --variable=includedir OpenEXR 2>/dev/null)/OpenEXR/ImfHeader.h)
+HAVE_CXX := $(if $(OPENEXR_CXX_HEADER),$(shell command -v $(CXX)))
+PLUGIN := $(if $(HAVE_CXX),$(BUILD)/plugin/hdrpipe-exr.so)
+# clang's sanitizers only see exceptions where the program brings the C++ library along
+LIBS += $(if $(and $(SAN),$(findstring clang,$(CC))),-Wl$(comma)--push-state$(comma)--no-as-needed -lstdc++ -Wl$(comma)--pop-state)
+# vptr: its runtime is for C++ programs alone
+ALL_CXXFLAGS = $(CXXFLAGS) -std=c++14 $(WARNINGS) $(SANITIZE) $(if $(SAN),-fno-sanitize=vptr) -pthread
+OPENEXR_CXXFLAGS = $(patsubst -I%,-isystem %,$(OPENEXR_CFLAGS))
+OPENEXR_CXX_LIBS = $(shell pkg-config --libs OpenEXR 2>/dev/null)
+
 VERBS := $(shell sed -n 's/^HDR_VERB(\(.*\))/\1/p' src/verb/verbs.def)
 
 .PHONY: all deps check-deps demo check check-exhaustive lint lint-deps bench man install uninstall clean
 .DELETE_ON_ERROR:
 
-all: $(PROGRAM)
+all: $(PROGRAM) $(PLUGIN)
+	@$(if $(PLUGIN),:,echo 'no C++ compiler, or no C++ headers of OpenEXR: built without DWAA and DWAB')
 
 # ---- What is needed ----
 
@@ -67,7 +86,8 @@ check-deps: deps
 
 # The flags are a prerequisite: other flags in the same directory build anew.
 $(BUILD)/flags: FORCE
-	@mkdir -p $(BUILD); echo '$(CC) $(ALL_CFLAGS) $(LDFLAGS)' | cmp -s - $@ || echo '$(CC) $(ALL_CFLAGS) $(LDFLAGS)' >$@
+	@mkdir -p $(BUILD); echo '$(CC) $(ALL_CFLAGS) $(CXX) $(ALL_CXXFLAGS) $(LDFLAGS)' | cmp -s - $@ || \
+	    echo '$(CC) $(ALL_CFLAGS) $(CXX) $(ALL_CXXFLAGS) $(LDFLAGS)' >$@
 FORCE:
 
 $(BUILD)/src/%.o: src/%.c $(BUILD)/flags
@@ -90,6 +110,14 @@ $(PROGRAM): $(COMMANDS) $(LIBRARY)
 	@echo '  LD $@'
 	$(Q)$(CC) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread -o $@ $^ $(LIBS)
 
+# where programs look for the plug-in that are not installed together with it
+$(BUILD)/src/io/exr_dwa.o: private ALL_CFLAGS += -DHDR_PLUGIN_FOLDER='"$(PREFIX)/lib/hdrpipe"'
+
+$(BUILD)/plugin/hdrpipe-exr.so: src/plugin/exr_dwa.cc src/plugin/exr_dwa.h $(BUILD)/flags
+	@mkdir -p $(@D)
+	@echo '  CXX $@'
+	$(Q)$(CXX) $(ALL_CXXFLAGS) $(OPENEXR_CXXFLAGS) -fPIC -shared -fvisibility=hidden $(LDFLAGS) $< -o $@ $(OPENEXR_CXX_LIBS)
+
 -include $(OBJECTS:.o=.d) $(COMMANDS:.o=.d)
 
 # ---- Trying ----
@@ -109,7 +137,7 @@ man: $(PROGRAM)
 
 # ---- Looking for faults without running ----
 
-C_FILES = $(wildcard src/*/*.[ch] cmd/*.[ch] include/*.h tests/*/*.[ch] testdata/*.[ch])
+C_FILES = $(wildcard src/*/*.[ch] src/*/*.cc tests/*/*.cc cmd/*.[ch] include/*.h tests/*/*.[ch] testdata/*.[ch])
 
 lint-deps: check-deps
 	$(call install-missing,$(LINT_PACKAGES))
@@ -125,6 +153,8 @@ lint-built:
 	for f in include/hdrpipe.h; do $(CC) -std=c11 -pedantic -Wall -Wextra -Werror -fsyntax-only -x c $$f && \
 	    $(CXX) -std=c++11 -pedantic -Wall -Wextra -Werror -fsyntax-only -x c++ $$f || exit 1; done
 	cppcheck -q --std=c11 --error-exitcode=1 --inline-suppr --suppress=missingIncludeSystem -Iinclude -Isrc src cmd
+	cppcheck -q --language=c++ --std=c++14 --error-exitcode=1 --inline-suppr --suppress=missingIncludeSystem \
+	    $(wildcard src/*/*.cc tests/*/*.cc)
 
 # ---- Installing ----
 
@@ -140,10 +170,13 @@ install: all
 	install -m 644 man/*.7 $(DESTDIR)$(PREFIX)/share/man/man7/
 	printf 'prefix=%s\nName: hdrpipe\nDescription: HDR renders to display pictures\nVersion: %s\nRequires: libpng OpenEXR\nLibs: -L$${prefix}/lib -lhdrpipe $(LIBS) -pthread\nCflags: -I$${prefix}/include\n' \
 	    '$(PREFIX)' "$$(sed -n 's/.*HDRPIPE_VERSION "\(.*\)"/\1/p' include/hdrpipe.h)" >$(BUILD)/hdrpipe.pc
+	$(if $(PLUGIN),install -d $(DESTDIR)$(PREFIX)/lib/hdrpipe && install -m 644 $(PLUGIN) $(DESTDIR)$(PREFIX)/lib/hdrpipe/)
 	install -m 644 $(BUILD)/hdrpipe.pc $(DESTDIR)$(PREFIX)/lib/pkgconfig/
 
 uninstall:
 	rm -f $(DESTDIR)$(PREFIX)/bin/hdr $(VERBS:%=$(DESTDIR)$(PREFIX)/bin/hdr-%)
+	rm -f $(DESTDIR)$(PREFIX)/lib/hdrpipe/hdrpipe-exr.so
+	if [ -d $(DESTDIR)$(PREFIX)/lib/hdrpipe ]; then rmdir $(DESTDIR)$(PREFIX)/lib/hdrpipe; fi
 	rm -f $(DESTDIR)$(PREFIX)/lib/libhdrpipe.a $(DESTDIR)$(PREFIX)/lib/pkgconfig/hdrpipe.pc $(DESTDIR)$(PREFIX)/include/hdrpipe.h
 	rm -f $(patsubst man/%,$(DESTDIR)$(PREFIX)/share/man/man1/%,$(wildcard man/*.1))
 	rm -f $(patsubst man/%,$(DESTDIR)$(PREFIX)/share/man/man5/%,$(wildcard man/*.5))

@@ -157,7 +157,7 @@ typedef struct hdr_picture {
     char state[64];       /* "linear", or what the pixels are encoded with, as the file tells: "srgb", "gamma 2.2" */
     char format[16];      /* "exr", "rgbe", "pfm", "pfs", "planes" */
     char storage[16];     /* "scan-line", "tiled" */
-    char compression[16]; /* "none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a" */
+    char compression[16]; /* "none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab" */
 } hdr_picture;
 
 /* ---- Input ----------------------------------------------------------------------------------------------------------

@@ -24,10 +24,22 @@ $(BUILD)/testdata/tiny: testdata/tiny.c testdata/write_exr.c testdata/write_exr.
 	@echo '  CC $@'
 	$(Q)$(CC) $(ALL_CFLAGS) $(OPENEXR_CFLAGS) -o $@ testdata/tiny.c testdata/write_exr.c -lOpenEXRCore -lm
 
+# reads with OpenEXR's C++ library: where that is there
+COMPARE_EXR := $(if $(HAVE_CXX),$(BUILD)/tests/oracle/compare_exr)
+$(BUILD)/tests/oracle/compare_exr: tests/oracle/compare_exr.cc $(BUILD)/flags
+	@mkdir -p $(@D)
+	@echo '  CXX $@'
+	$(Q)$(CXX) $(ALL_CXXFLAGS) $(OPENEXR_CXXFLAGS) $(LDFLAGS) $< -o $@ $(OPENEXR_CXX_LIBS)
+
+# programs look for plug-ins beside themselves
+$(BUILD)/tests/%/plugin: $(PLUGIN)
+	@mkdir -p $(@D)
+	$(Q)ln -sfn ../../plugin $@
+
 check: check-deps
 	$(MAKE) check-built
 
 .PHONY: check-built
-check-built: all $(TEST_PROGRAMS) $(BUILD)/testdata/render $(BUILD)/testdata/tiny
+check-built: all $(TEST_PROGRAMS) $(COMPARE_EXR) $(BUILD)/tests/unit/plugin $(BUILD)/tests/laws/plugin $(BUILD)/testdata/render $(BUILD)/testdata/tiny
 	BUILD=$(BUILD) CC='$(CC)' sh tests/run.sh $(TEST_PROGRAMS) $(TEST_SCRIPTS)
 include tests/oracle/oracle.mk

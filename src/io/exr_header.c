@@ -221,15 +221,12 @@ static hdr_status parse(hdr_input *input, hdr_exr_header *header, hdr_error *err
 /* ---- What the header says ---- */
 
 static hdr_status read_compression(const char *name, hdr_exr_header *header, hdr_error *err) {
-    static const char *const names[] = {"none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "DWAA", "DWAB"};
+    static const char *const names[] = {"none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"};
     static const int rows[] = {1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
     exr_compression_t compression;
     if (exr_get_compression(header->context, 0, &compression) != EXR_ERR_SUCCESS ||
         (size_t)compression >= sizeof names / sizeof names[0])
         return hdr_fail(err, HDR_BAD_DATA, "%s: its compression is not known", name);
-    if (compression >= EXR_COMPRESSION_DWAA)
-        return hdr_fail(err, HDR_BAD_DATA, "%s: %s compression is not read; store it with another one, e.g. zip or piz",
-                        name, names[compression]);
     header->compression = compression;
     header->chunk_rows = rows[compression];
     snprintf(header->picture.compression, sizeof header->picture.compression, "%s", names[compression]);

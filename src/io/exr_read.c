@@ -295,10 +295,11 @@ static hdr_status worker_new(hdr_source *base, void **worker, hdr_error *err) {
     struct exr_worker *own = hdr_alloc(1, sizeof *own);
     *worker = NULL;
     if (!own) return hdr_fail(err, HDR_INTERNAL, "out of memory");
-    own->unpacker = hdr_exr_unpacker_new(&source->header, err);
+    hdr_error fault = {0};
+    own->unpacker = hdr_exr_unpacker_new(&source->header, &fault);
     if (!own->unpacker) {
         worker_free(base, own);
-        return HDR_INTERNAL;
+        return hdr_fail(err, fault.status, "%s: %s", hdr_input_name(source->input), fault.message);
     }
     *worker = own;
     return HDR_OK;

@@ -1,11 +1,13 @@
 /* Unpacking EXR chunks: ZIP and ZIPS by libdeflate, twice as fast as the library's zlib, RLE here, since it is a dozen
- * lines that share the predictor with ZIP, and the rest by OpenEXRCore's decoders.
+ * lines that share the predictor with ZIP, DWAA and DWAB by the plug-in where OpenEXRCore does not have them, and the
+ * rest by OpenEXRCore's decoders.
  *
  * Of the library's decode pipeline only the decompression step is called, on buffers that are ours. The pipeline's own
  * handling of them lets the unpacked buffer be the packed one where both have the same size, which then outlives a
  * change of size. */
 #include "io/exr_unpack.h"
 
+#include "io/exr_dwa.h"
 #include "kernel/predictor.h"
 
 #include <libdeflate.h>
@@ -19,6 +21,7 @@ struct hdr_exr_unpacker {
     struct libdeflate_decompressor *inflater;
     exr_decode_pipeline_t pipeline;
     bool pipeline_made;
+    hdr_exr_dwa *dwa; /* where it is needed */
 };
 
 hdr_exr_unpacker *hdr_exr_unpacker_new(const hdr_exr_header *header, hdr_error *err) {
@@ -32,6 +35,17 @@ hdr_exr_unpacker *hdr_exr_unpacker_new(const hdr_exr_header *header, hdr_error *
         hdr_fail(err, HDR_INTERNAL, "out of memory");
         return NULL;
     }
+    const exr_attr_chlist_t *channels;
+    if (hdr_exr_needs_dwa(header->compression)) {
+        if (exr_get_channels(header->context, 0, &channels) == EXR_ERR_SUCCESS)
+            unpacker->dwa = hdr_exr_dwa_new(header->compression, channels, err);
+        else
+            hdr_fail(err, HDR_INTERNAL, "the channels are gone");
+        if (!unpacker->dwa) {
+            hdr_exr_unpacker_free(unpacker);
+            return NULL;
+        }
+    }
     return unpacker;
 }
 
@@ -39,6 +53,7 @@ void hdr_exr_unpacker_free(hdr_exr_unpacker *unpacker) {
     if (!unpacker) return;
     if (unpacker->pipeline_made) exr_decoding_destroy(unpacker->header->context, &unpacker->pipeline);
     if (unpacker->inflater) libdeflate_free_decompressor(unpacker->inflater);
+    hdr_exr_dwa_free(unpacker->dwa);
     free(unpacker->scratch);
     free(unpacker);
 }
@@ -120,6 +135,9 @@ bool hdr_exr_unpack(hdr_exr_unpacker *unpacker, const hdr_exr_chunk *chunk, cons
     case EXR_COMPRESSION_NONE:
         return false;
     default:
+        if (unpacker->dwa)
+            return hdr_exr_dwa_unpack(unpacker->dwa, unpacker->header->tiled, chunk->width, chunk->height, packed,
+                                      chunk->packed_size, out, chunk->size);
         return unpack_by_library(unpacker, chunk, packed, out);
     }
     hdr_predictor_undo(unpacker->scratch, chunk->size, out);
@@ -128,11 +146,13 @@ bool hdr_exr_unpack(hdr_exr_unpacker *unpacker, const hdr_exr_chunk *chunk, cons
 
 bool hdr_exr_plausible(const hdr_exr_header *header, const hdr_exr_chunk *chunk) {
     /* The most that a packed byte can stand for. Deflate: 1032. PXR24: the same, of 3 bytes that make 4. RLE: 128 for 2
-     * bytes. PIZ: runs of 255 two-byte values in at least 9 bits. B44A: 32 for 3 bytes. */
+     * bytes. PIZ: runs of 255 two-byte values in at least 9 bits. B44A: 32 for 3 bytes. DWA: deflated two-byte means of
+     * 8 x 8 floats. */
     static const unsigned most[] = {
-        [EXR_COMPRESSION_NONE] = 1,   [EXR_COMPRESSION_RLE] = 64,  [EXR_COMPRESSION_ZIPS] = 1032,
-        [EXR_COMPRESSION_ZIP] = 1032, [EXR_COMPRESSION_PIZ] = 460, [EXR_COMPRESSION_PXR24] = 1376,
-        [EXR_COMPRESSION_B44] = 11,   [EXR_COMPRESSION_B44A] = 11};
+        [EXR_COMPRESSION_NONE] = 1,     [EXR_COMPRESSION_RLE] = 64,  [EXR_COMPRESSION_ZIPS] = 1032,
+        [EXR_COMPRESSION_ZIP] = 1032,   [EXR_COMPRESSION_PIZ] = 460, [EXR_COMPRESSION_PXR24] = 1376,
+        [EXR_COMPRESSION_B44] = 11,     [EXR_COMPRESSION_B44A] = 11, [EXR_COMPRESSION_DWAA] = 132096,
+        [EXR_COMPRESSION_DWAB] = 132096};
     if (chunk->packed_size < 1 || chunk->packed_size > chunk->size) return false;
     return chunk->size / most[header->compression] <= chunk->packed_size;
 }

@@ -16,6 +16,8 @@ typedef struct hdr_exr_chunk {
 /* One thread's means of unpacking. */
 typedef struct hdr_exr_unpacker hdr_exr_unpacker;
 
+/* NULL: memory is out, or a plug-in that the compression needs is not there (HDR_BAD_DATA); the message does not name
+ * the file. */
 hdr_exr_unpacker *hdr_exr_unpacker_new(const hdr_exr_header *header, hdr_error *err);
 void hdr_exr_unpacker_free(hdr_exr_unpacker *unpacker);
 

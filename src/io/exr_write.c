@@ -1,8 +1,9 @@
 /* The EXR sink: one scan-line part, by way of OpenEXRCore. Each band becomes whole chunks on the thread that computed
  * it, ready to be written in order. ZIP and ZIPS are compressed here, with the predictor taken straight from the
- * samples and ISA-L; the other compressions by the library's encoding pipeline, of which only the compressing
- * stage is left. */
+ * samples and ISA-L; DWAA and DWAB by the plug-in where the library does not have them; the other compressions by the
+ * library's encoding pipeline, of which only the compressing stage is left. */
 #include "io/deflate.h"
+#include "io/exr_dwa.h"
 #include "io/sink.h"
 #include "kernel/predict_encode.h"
 
@@ -19,16 +20,19 @@ enum {
     GATHERED_MAX = 64 * 1024 /* writes at least this long are not worth gathering */
 };
 
-const char *const hdr_compression_names[] = {"none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", NULL};
+const char *const hdr_compression_names[] = {"none", "rle",  "zips", "zip",  "piz", "pxr24",
+                                             "b44",  "b44a", "dwaa", "dwab", NULL};
 
-static const exr_compression_t exr_compressions[] = {EXR_COMPRESSION_NONE, EXR_COMPRESSION_RLE, EXR_COMPRESSION_ZIPS,
-                                                     EXR_COMPRESSION_ZIP,  EXR_COMPRESSION_PIZ, EXR_COMPRESSION_PXR24,
-                                                     EXR_COMPRESSION_B44,  EXR_COMPRESSION_B44A};
+static const exr_compression_t exr_compressions[] = {
+    EXR_COMPRESSION_NONE,  EXR_COMPRESSION_RLE, EXR_COMPRESSION_ZIPS, EXR_COMPRESSION_ZIP,  EXR_COMPRESSION_PIZ,
+    EXR_COMPRESSION_PXR24, EXR_COMPRESSION_B44, EXR_COMPRESSION_B44A, EXR_COMPRESSION_DWAA, EXR_COMPRESSION_DWAB};
 
 typedef struct exr_sink {
     hdr_sink sink; /* first, so that the one pointer is the other */
     hdr_compression compression;
+    float dwa_level;
     exr_context_t context;
+    hdr_exr_dwa *dwa; /* where the library needs help */
     int chunk_rows;
     int rows_delivered;
     hdr_error fault; /* of the output, met inside a call of the library */
@@ -122,11 +126,17 @@ static exr_attr_box2i_t box(hdr_window window) {
                               .max = {.x = window.max_x, .y = window.max_y}};
 }
 
-static exr_result_t set_attributes(exr_context_t context, const hdr_frame *frame, exr_compression_t compression) {
+static bool is_dwa(hdr_compression compression) {
+    return compression == HDR_COMPRESSION_DWAA || compression == HDR_COMPRESSION_DWAB;
+}
+
+static exr_result_t set_attributes(const exr_sink *self) {
+    exr_context_t context = self->context;
+    const hdr_frame *frame = &self->sink.frame;
     exr_attr_box2i_t data = box(frame->data), display = box(frame->display);
     exr_attr_v2f_t centre = {.x = 0, .y = 0};
     exr_result_t result = exr_initialize_required_attr(context, 0, &display, &data, frame->pixel_aspect, &centre, 1,
-                                                       EXR_LINEORDER_INCREASING_Y, compression);
+                                                       EXR_LINEORDER_INCREASING_Y, exr_compressions[self->compression]);
     if (result == EXR_ERR_SUCCESS && frame->has_chromaticities) {
         const hdr_chromaticities *c = &frame->chromaticities;
         exr_attr_chromaticities_t attribute = {
@@ -141,8 +151,25 @@ static exr_result_t set_attributes(exr_context_t context, const hdr_frame *frame
         };
         result = exr_attr_set_chromaticities(context, 0, "chromaticities", &attribute);
     }
+    /* For the library if it is to compress, which does not write it; and for the reader's information. */
+    bool by_library = is_dwa(self->compression) && !hdr_exr_needs_dwa(exr_compressions[self->compression]);
+    if (result == EXR_ERR_SUCCESS && by_library) result = exr_set_dwa_compression_level(context, 0, self->dwa_level);
+    if (result == EXR_ERR_SUCCESS && is_dwa(self->compression))
+        result = exr_attr_set_float(context, 0, "dwaCompressionLevel", self->dwa_level);
     if (result == EXR_ERR_SUCCESS) result = exr_attr_set_string(context, 0, "hdrpipeState", frame->state);
     return result;
+}
+
+static hdr_status load_dwa(exr_sink *self, hdr_error *err) {
+    exr_compression_t compression = exr_compressions[self->compression];
+    const exr_attr_chlist_t *channels;
+    hdr_error fault = {0};
+    if (!hdr_exr_needs_dwa(compression)) return HDR_OK;
+    hdr_status status = checked(self, exr_get_channels(self->context, 0, &channels), err);
+    if (status != HDR_OK) return status;
+    self->dwa = hdr_exr_dwa_new(compression, channels, &fault);
+    return self->dwa ? HDR_OK
+                     : hdr_fail(err, fault.status, "%s: %s", hdr_output_name(self->sink.output), fault.message);
 }
 
 static hdr_status exr_begin(hdr_sink *sink, hdr_error *err) {
@@ -155,11 +182,11 @@ static hdr_status exr_begin(hdr_sink *sink, hdr_error *err) {
     exr_result_t result =
         exr_start_write(&self->context, hdr_output_name(sink->output), EXR_WRITE_FILE_DIRECTLY, &initializer);
     if (result == EXR_ERR_SUCCESS) result = exr_add_part(self->context, "pixels", EXR_STORAGE_SCANLINE, &part);
-    if (result == EXR_ERR_SUCCESS)
-        result = set_attributes(self->context, &sink->frame, exr_compressions[self->compression]);
+    if (result == EXR_ERR_SUCCESS) result = set_attributes(self);
     if (result == EXR_ERR_SUCCESS) result = add_channels(self->context, &sink->frame);
     if (result == EXR_ERR_SUCCESS) result = exr_write_header(self->context);
     hdr_status status = checked(self, result, err);
+    if (status == HDR_OK) status = load_dwa(self, err);
     return status == HDR_OK ? flush_gathered(self, err) : status;
 }
 
@@ -256,6 +283,19 @@ static hdr_status squeeze_chunk(exr_sink *self, exr_packer *packer, const unsign
     return HDR_OK;
 }
 
+/* The same by the plug-in. */
+static hdr_status squeeze_dwa(const exr_sink *self, exr_packer *packer, const unsigned char *samples, int rows,
+                              unsigned char *out, size_t *size, hdr_error *err) {
+    const hdr_frame *frame = &self->sink.frame;
+    size_t raw_size = hdr_frame_row_bytes(frame) * (size_t)rows;
+    hdr_error fault = {0};
+    pack_raw(frame, samples, rows, packer->raw);
+    hdr_status status = hdr_exr_dwa_pack(self->dwa, self->dwa_level, frame->width, rows, packer->raw, raw_size, out,
+                                         raw_size, size, &fault);
+    return status == HDR_OK ? HDR_OK
+                            : hdr_fail(err, status, "%s: %s", hdr_output_name(self->sink.output), fault.message);
+}
+
 static hdr_status pack_chunk(exr_sink *self, exr_packer *packer, const unsigned char *samples, exr_chunk *chunk,
                              int rows, hdr_error *err) {
     const hdr_frame *frame = &self->sink.frame;
@@ -264,6 +304,8 @@ static hdr_status pack_chunk(exr_sink *self, exr_packer *packer, const unsigned 
     chunk->size = 0;
     if (self->compression == HDR_COMPRESSION_ZIP || self->compression == HDR_COMPRESSION_ZIPS)
         chunk->size = deflate_chunk(packer, frame, samples, rows, out);
+    else if (self->dwa)
+        status = squeeze_dwa(self, packer, samples, rows, out, &chunk->size, err);
     else if (self->compression != HDR_COMPRESSION_NONE)
         status = squeeze_chunk(self, packer, samples, chunk->first_row, rows, out, &chunk->size, err);
     if (status == HDR_OK && chunk->size == 0) {
@@ -379,6 +421,7 @@ static void exr_close(hdr_sink *sink) {
     if (!self) return;
     if (self->context)
         (void)exr_finish(&self->context); /* only frees: the file was finished, and checked, with its last chunk */
+    hdr_exr_dwa_free(self->dwa);
     free(self->gathered.data);
     free(self);
 }
@@ -391,19 +434,24 @@ static int rows_of_a_chunk(hdr_compression compression) {
     case HDR_COMPRESSION_PIZ:
     case HDR_COMPRESSION_B44:
     case HDR_COMPRESSION_B44A:
+    case HDR_COMPRESSION_DWAA:
         return 32;
+    case HDR_COMPRESSION_DWAB:
+        return 256;
     default:
         return 1;
     }
 }
 
-hdr_sink *hdr_exr_create(hdr_output *output, const hdr_frame *frame, hdr_compression compression, hdr_error *err) {
+hdr_sink *hdr_exr_create(hdr_output *output, const hdr_frame *frame, hdr_compression compression, float dwa_level,
+                         hdr_error *err) {
     exr_sink *self = hdr_alloc(1, sizeof *self);
     if (!self) {
         hdr_fail(err, HDR_INTERNAL, "%s: out of memory", hdr_output_name(output));
         return NULL;
     }
     self->compression = compression;
+    self->dwa_level = dwa_level;
     self->chunk_rows = rows_of_a_chunk(compression);
     self->sink = (hdr_sink){.frame = *frame,
                             .output = output,

@@ -69,7 +69,9 @@ typedef enum hdr_compression {
     HDR_COMPRESSION_PIZ,
     HDR_COMPRESSION_PXR24,
     HDR_COMPRESSION_B44,
-    HDR_COMPRESSION_B44A
+    HDR_COMPRESSION_B44A,
+    HDR_COMPRESSION_DWAA,
+    HDR_COMPRESSION_DWAB
 } hdr_compression; /* in the order of hdr_compression_names and of OpenEXR's own numbers */
 extern const char *const hdr_compression_names[];
 
@@ -78,6 +80,8 @@ hdr_sink *hdr_png_create(hdr_output *output, const hdr_frame *frame, hdr_error *
 hdr_sink *hdr_pfm_create(hdr_output *output, const hdr_frame *frame, hdr_error *err);
 hdr_sink *hdr_rgbe_create(hdr_output *output, const hdr_frame *frame, hdr_error *err);
 hdr_sink *hdr_pfs_create(hdr_output *output, const hdr_frame *frame, hdr_error *err);
-hdr_sink *hdr_exr_create(hdr_output *output, const hdr_frame *frame, hdr_compression compression, hdr_error *err);
+/* dwa_level: how much DWAA and DWAB may lose (OpenEXR's dwaCompressionLevel, 45 by default); of no effect on others. */
+hdr_sink *hdr_exr_create(hdr_output *output, const hdr_frame *frame, hdr_compression compression, float dwa_level,
+                         hdr_error *err);
 
 #endif

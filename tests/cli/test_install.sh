@@ -25,6 +25,13 @@ check 'everybody may run it' test -z "$(find "$root/bin" -type f ! -perm -555)"
 
 # ---- Programs and pages ------------------------------------------------------------------------------------------
 
+plug_in=$BUILD/plugin/hdrpipe-exr.so
+if [ -e "$plug_in" ]; then
+    check 'the plug-in is installed' cmp -s "$plug_in" "$root/lib/hdrpipe/hdrpipe-exr.so"
+    expect_status 0 'it is found beside the programs' "$root/bin/hdr" exr --compression dwaa -o "$work/dwaa.exr" testdata/glossy.exr
+else
+    skip "there is no $plug_in"
+fi
 expect_status 0 'hdr runs' "$root/bin/hdr" --version
 check 'it is this hdr' cmp -s "$BUILD/hdr" "$root/bin/hdr"
 version=$(sed 's/^hdrpipe //' "$work/stdout")

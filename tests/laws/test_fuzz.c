@@ -69,6 +69,30 @@ static void add_seed_file(const char *path) {
     add_seed(file);
 }
 
+/* OpenEXRCore does not write these; hdrpipe does where it has its plug-in. */
+static void add_dwa_seed(const char *compression, const char *type) {
+    const char *const words[] = {"exr", "-q", "--compression", compression, "--type", type};
+    hdr_error error = {.status = HDR_OK};
+    hdr_chain *chain = hdr_chain_new(&error);
+    hdr_input *input = hdr_input_open("testdata/tiny/alpha.exr", &error);
+    hdr_output *output = hdr_output_memory(&error);
+    hdr_status status = error.status;
+    file_bytes file = {NULL, 0};
+    if (status == HDR_OK) status = hdr_chain_add(chain, words, sizeof words / sizeof *words, &error);
+    if (status == HDR_OK) status = hdr_chain_run(chain, input, output, NULL, &error);
+    const void *bytes = status == HDR_OK ? hdr_output_bytes(output, &file.size) : NULL;
+    if (strstr(error.message, "which is not installed"))
+        CHECK_SKIP("%s", error.message);
+    else
+        CHECK(bytes && file.size <= FILE_MAX_BYTES, "a seed of %s: %s", compression, error.message);
+    if (bytes && file.size <= FILE_MAX_BYTES) file.data = calloc(1, FILE_MAX_BYTES);
+    if (file.data) memcpy(file.data, bytes, file.size);
+    hdr_output_free(output);
+    hdr_input_free(input);
+    hdr_chain_free(chain);
+    if (file.data) add_seed(file);
+}
+
 static void make_seeds(void) {
     static const char *const files[] = {"testdata/tiny/specials.exr", "testdata/tiny/alpha.exr",
                                         "testdata/tiny/window.exr",   "testdata/tiny/grey.exr",
@@ -97,6 +121,8 @@ static void make_seeds(void) {
             free_recipe(&r);
             add_seed(file);
         }
+    for (int variant = 0; variant < 4; variant++)
+        add_dwa_seed(variant & 1 ? "dwab" : "dwaa", variant & 2 ? "float" : "half");
 }
 
 /* ---- Mutations -----------------------------------------------------------------------------------------------------

@@ -184,7 +184,7 @@ static const struct {
 } refusals[] = {
     {"Flowers.exr", "luminance-chroma"}, {"Rec709_YC.exr", "luminance-chroma"},
     {"XYZ_YC.exr", "luminance-chroma"},  {"beachball_multipart.exr", "multi-part"},
-    {"deep_trunks.exr", "deep"},         {"dwa_night.exr", "DWAB"},
+    {"deep_trunks.exr", "deep"},
 };
 
 static void check_refused(const char *path, const char *word) {
@@ -200,6 +200,8 @@ static void check_refused(const char *path, const char *word) {
 }
 
 static void check_any(const char *path, const char *name) {
+    /* OpenEXRCore 3.1 has nothing to compare with: tests/cli/test_exr_library.sh does it with the C++ library */
+    if (strcmp(name, "dwa_night.exr") == 0) return;
     for (size_t i = 0; i < sizeof refusals / sizeof refusals[0]; i++)
         if (strcmp(name, refusals[i].name) == 0) {
             check_refused(path, refusals[i].word);
@@ -361,13 +363,6 @@ static void check_channel_rules(void) {
                  .channel = {{"G", EXR_PIXEL_HALF, NULL}, {"R", EXR_PIXEL_HALF, NULL}}};
     CHECK(look_at(&r, &about, &error) == HDR_BAD_DATA && strstr(error.message, "subsampled"), "sampling: %s",
           error.message);
-    r = (recipe){.width = 4,
-                 .height = 2,
-                 .channels = 1,
-                 .compression = EXR_COMPRESSION_DWAA,
-                 .sampling = 1,
-                 .channel = {{"Y", EXR_PIXEL_HALF, NULL}}};
-    CHECK(look_at(&r, &about, &error) == HDR_BAD_DATA && strstr(error.message, "DWAA"), "DWAA: %s", error.message);
 }
 
 /* ---- Damage ---- */

@@ -321,7 +321,7 @@ static void test_png_coding_points(void) {
 /* ---- EXR ---- */
 
 static hdr_sink *make_exr(hdr_output *output, const hdr_frame *frame, hdr_compression compression, hdr_error *err) {
-    return hdr_exr_create(output, frame, compression, err);
+    return hdr_exr_create(output, frame, compression, 45, err);
 }
 
 static int64_t read_exr_bytes(exr_const_context_t context, void *user_data, void *out, uint64_t size, uint64_t offset,
