@@ -174,6 +174,7 @@ static char *take_head(hdr_input *input, hdr_error *err) {
         return NULL;
     }
     hdr_error own = {0};
+    hdr_input_skip(input, 0); /* an input that was read before may be read again */
     int64_t length = hdr_input_get_planes(input) ? 0 : hdr_input_read(input, text, strlen(MAGIC), 0, err);
     if (length == (int64_t)strlen(MAGIC) && !memcmp(text, MAGIC, strlen(MAGIC)))
         length = hdr_input_read(input, text, HEAD_MAX, 0, err);
@@ -227,6 +228,11 @@ static void copy_local_settings(hdr_chain *whole, const hdr_chain *chain) {
     whole->common.window = travelled.window;
     whole->common.primaries = travelled.primaries;
     whole->common.adapt = travelled.adapt;
+    whole->common.part = travelled.part;
+    whole->common.layer = travelled.layer;
+    whole->common.channel = travelled.channel;
+    whole->common.level = travelled.level;
+    whole->common.crop = travelled.crop;
 }
 
 hdr_chain *hdr_chain_behind_head(const hdr_chain *chain, hdr_input *input, hdr_error *err) {
