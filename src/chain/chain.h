@@ -18,7 +18,8 @@ typedef struct hdr_common {
     const char *output;
     bool quiet, verbose, explain, json, help, version, reference, no_skip, strict;
     int window, primaries, adapt;
-    const char *part, *layer, *channel, *level, *crop; /* how the file is read, as typed; NULL: not given */
+    const char *part, *layer, *channel, *level,
+        *crop; /* how the file is read, as typed; NULL: not given, level is "0" then */
 } hdr_common;
 enum { HDR_WINDOW_DISPLAY, HDR_WINDOW_DATA };
 enum { HDR_PRIMARIES_REC709, HDR_PRIMARIES_KEEP };

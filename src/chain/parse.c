@@ -53,6 +53,7 @@ static const hdr_option common_options[] = {
      .type = HDR_OPTION_TEXT,
      .offset = COMMON(level),
      .metavar = "LEVEL",
+     .default_value = "0",
      .help = "read level N of a mip map, or with proxy:PIXELS the smallest whose larger side has that many pixels",
      .travels = true},
     {.name = "crop",

@@ -256,6 +256,10 @@ static hdr_status choose_frame(writing *w, hdr_error *err) {
     double area = (double)width * (double)height;
     double data_area = (double)hdr_window_width(&picture->data) * (double)hdr_window_height(&picture->data);
     /* a display window that is mostly black is one thing, one of 10^18 pixels a damaged file */
+    if (width < 1 && window == &picture->data)
+        return hdr_fail(err, HDR_BAD_DATA,
+                        "there are no pixels in the rectangle that --crop leaves: only --window "
+                        "display can be written, black");
     if (width < 1 || height < 1 || width > INT32_MAX || height > INT32_MAX || (area > 0x1p27 && area > 64 * data_area))
         return hdr_fail(err, HDR_BAD_DATA,
                         "the display window of %lld x %lld pixels cannot be written; try --window data",
