@@ -32,6 +32,15 @@ void cmd_print_picture_json(const hdr_picture *picture); /* members of an object
 typedef hdr_status (*cmd_file_job)(hdr_chain *chain, hdr_input *input, const char *name, hdr_error *error);
 hdr_status cmd_each_file(hdr_chain *chain, cmd_file_job job, hdr_error *error);
 
+/* What windows and types look like; width: of the label's column. */
+void cmd_print_window(const char *label, const hdr_window *window, int width);
+void cmd_print_json_window(const char *key, const hdr_window *window); /* ", key: [...]" */
+const char *cmd_type_name(hdr_type type);
+
+/* contents.c: all that a file holds. */
+void cmd_print_contents(const hdr_contents *contents);
+void cmd_print_contents_json(const hdr_contents *contents); /* one member of an object */
+
 /* info.c: JSON values, to standard output. */
 void cmd_print_json_text(const char *text);
 void cmd_print_json_number(double number); /* the shortest decimal that reads back as the same double */

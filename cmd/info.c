@@ -86,7 +86,7 @@ static void print_json_member(const char *key, const char *text) {
     cmd_print_json_text(text);
 }
 
-static void print_json_window(const char *key, const hdr_window *window) {
+void cmd_print_json_window(const char *key, const hdr_window *window) {
     printf(", \"%s\": [%d, %d, %d, %d]", key, window->min_x, window->min_y, window->max_x, window->max_y);
 }
 
@@ -102,8 +102,8 @@ static bool has_plane(const hdr_picture *picture, int plane) {
     return plane == 3 ? picture->has_alpha : plane < picture->planes;
 }
 
-static const char *type_name(hdr_type type) {
-    return type == HDR_HALF ? "half" : "float";
+const char *cmd_type_name(hdr_type type) {
+    return type == HDR_HALF ? "half" : type == HDR_FLOAT ? "float" : "uint";
 }
 
 static long long width_of(const hdr_window *window) {
@@ -114,8 +114,17 @@ static long long height_of(const hdr_window *window) {
     return window->max_y < window->min_y ? 0 : (long long)window->max_y - window->min_y + 1;
 }
 
-static void print_window(const char *label, const hdr_window *window) {
-    printf("  %-18s %lld x %lld at %d,%d\n", label, width_of(window), height_of(window), window->min_x, window->min_y);
+void cmd_print_window(const char *label, const hdr_window *window, int width) {
+    printf("%-*s %lld x %lld at %d,%d\n", width, label, width_of(window), height_of(window), window->min_x,
+           window->min_y);
+}
+
+/* Which of the pictures that a file may hold it is; nothing where there is but one. */
+static void print_place(const hdr_picture *picture) {
+    if (picture->part || *picture->part_name)
+        printf("  %-18s %d%s%s\n", "part", picture->part, *picture->part_name ? " " : "", picture->part_name);
+    if (*picture->layer) printf("  %-18s %s\n", "layer", picture->layer);
+    if (picture->level) printf("  %-18s %d\n", "level", picture->level);
 }
 
 static void print_channels(const hdr_picture *picture) {
@@ -125,7 +134,7 @@ static void print_channels(const hdr_picture *picture) {
         const hdr_channel *channel = &picture->channels[plane];
         if (!has_plane(picture, plane)) continue;
         if (picture->present[plane])
-            printf("%s%s %s", between, channel->name, type_name(channel->type));
+            printf("%s%s %s", between, channel->name, cmd_type_name(channel->type));
         else
             printf("%s%s missing", between, cmd_plane_name(picture, plane));
         between = ", ";
@@ -143,8 +152,9 @@ static void print_chromaticities(const hdr_picture *picture) {
 
 void cmd_print_picture(const hdr_picture *picture) {
     printf("  %-18s %s, %s, %s\n", "format", picture->format, picture->storage, picture->compression);
-    print_window("data window", &picture->data);
-    print_window("display window", &picture->display);
+    print_place(picture);
+    cmd_print_window("  data window", &picture->data, 20);
+    cmd_print_window("  display window", &picture->display, 20);
     print_channels(picture);
     print_chromaticities(picture);
     if (picture->pixel_aspect != 1) printf("  %-18s %.9g\n", "pixel aspect", (double)picture->pixel_aspect);
@@ -158,7 +168,7 @@ static void print_json_channels(const hdr_picture *picture) {
         if (!has_plane(picture, plane) || !picture->present[plane]) continue;
         printf("%s{\"name\": ", between);
         cmd_print_json_text(picture->channels[plane].name);
-        printf(", \"type\": \"%s\"}", type_name(picture->channels[plane].type));
+        printf(", \"type\": \"%s\"}", cmd_type_name(picture->channels[plane].type));
         between = ", ";
     }
     putchar(']');
@@ -183,8 +193,8 @@ static void print_json_chromaticities(const hdr_picture *picture) {
 
 void cmd_print_picture_json(const hdr_picture *picture) {
     printf("\"width\": %lld, \"height\": %lld", width_of(&picture->data), height_of(&picture->data));
-    print_json_window("data_window", &picture->data);
-    print_json_window("display_window", &picture->display);
+    cmd_print_json_window("data_window", &picture->data);
+    cmd_print_json_window("display_window", &picture->display);
     print_json_member("format", picture->format);
     print_json_member("storage", picture->storage);
     print_json_member("compression", picture->compression);
@@ -194,25 +204,44 @@ void cmd_print_picture_json(const hdr_picture *picture) {
     printf(", \"pixel_aspect\": ");
     cmd_print_json_number((double)picture->pixel_aspect);
     print_json_member("state", picture->state);
+    printf(", \"part\": %d", picture->part);
+    print_json_member("part_name", picture->part_name);
+    print_json_member("layer", picture->layer);
+    printf(", \"level\": %d", picture->level);
 }
 
 /* ---- hdr info ---- */
 
-static hdr_status print_info(hdr_chain *chain, hdr_input *input, const char *name, hdr_error *error) {
-    hdr_picture picture;
-    hdr_status status = hdr_input_picture(input, &picture, error);
-    if (status != HDR_OK) return status;
-    if (!hdr_chain_settings(chain)->json) {
+static void print_all(const char *name, bool json, const hdr_picture *picture, const hdr_contents *contents) {
+    if (!json) {
         printf("%s\n", name);
-        cmd_print_picture(&picture);
-        return HDR_OK;
+        if (picture) cmd_print_picture(picture);
+        cmd_print_contents(contents);
+        return;
     }
     printf("{\"file\": ");
     cmd_print_json_text(name);
     printf(", ");
-    cmd_print_picture_json(&picture);
+    if (picture) {
+        cmd_print_picture_json(picture);
+        printf(", ");
+    }
+    cmd_print_contents_json(contents);
     printf("}\n");
-    return HDR_OK;
+}
+
+/* The picture that would be read, and all there is. A file of which nothing can be read, such as deep data, is listed
+ * all the same, so that what can be asked for is seen; the fault says why. */
+static hdr_status print_info(hdr_chain *chain, hdr_input *input, const char *name, hdr_error *error) {
+    hdr_picture picture;
+    hdr_error fault = {0};
+    hdr_status status = hdr_input_picture(input, chain, &picture, &fault);
+    bool readable = status == HDR_OK;
+    hdr_contents *contents = readable || status == HDR_BAD_DATA ? hdr_input_contents(input, &fault) : NULL;
+    if (contents) print_all(name, hdr_chain_settings(chain)->json, readable ? &picture : NULL, contents);
+    hdr_contents_free(contents);
+    *error = fault;
+    return fault.status;
 }
 
 hdr_status cmd_info(hdr_chain *chain, hdr_error *error) {

@@ -126,7 +126,11 @@ typedef struct hdr_window {
     int32_t min_x, min_y, max_x, max_y;
 } hdr_window;
 
-typedef enum hdr_type { HDR_HALF, HDR_FLOAT } hdr_type;
+typedef enum hdr_type {
+    HDR_HALF,
+    HDR_FLOAT,
+    HDR_UINT /* whole numbers, 32 bits: an object's number, a count of samples; read by --channel alone */
+} hdr_type;
 
 /* CIE 1931 x,y of the primaries and of white. */
 typedef struct hdr_chromaticities {
@@ -140,13 +144,14 @@ typedef struct hdr_channel {
     hdr_type type;
 } hdr_channel;
 
-/* What a picture is, before any pixel is looked at. */
+/* What a picture is, before any pixel is looked at. Of a file that holds several: the one that is read. */
 typedef struct hdr_picture {
     hdr_window data;    /* where there are pixels */
     hdr_window display; /* the frame */
     int planes;         /* colour planes: 1 (luminance only) or 3 (R, G, B) */
     bool has_alpha;
-    hdr_channel channels[4]; /* those that are read: R G B or Y, then A where there is one; [3] is A's place. X Y Z of a
+    hdr_channel channels[4]; /* those that are read: R G B or Y, then A where there is one; [3] is A's place. The names
+                                are the file's own: "diffuse.red"; [0] holds the one that --channel names. X Y Z of a
                                 file that holds those: its primaries are X, Y and Z */
     bool present[4];         /* false: the file has no such channel; R, G or B read as 0 then */
     bool has_chromaticities; /* the file says which primaries; otherwise Rec.709 is assumed */
@@ -158,6 +163,10 @@ typedef struct hdr_picture {
     char format[16];      /* "exr", "rgbe", "pfm", "pfs", "planes" */
     char storage[16];     /* "scan-line", "tiled" */
     char compression[16]; /* "none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab" */
+    int part;             /* its number in the file, from 0 */
+    char part_name[HDR_CHANNEL_NAME]; /* empty where it has none */
+    char layer[HDR_CHANNEL_NAME];     /* what stands before the last point of its channels' names; empty: nothing */
+    int level;                        /* of a mip map; 0: full resolution. The windows are the level's */
 } hdr_picture;
 
 /* ---- Input ----------------------------------------------------------------------------------------------------------
@@ -289,8 +298,53 @@ typedef struct hdr_stats {
 hdr_status hdr_chain_stats(hdr_chain *chain, hdr_input *input, hdr_stats *stats, const hdr_listener *listener,
                            hdr_error *err);
 
-/* What the input holds, from its header alone. */
-hdr_status hdr_input_picture(hdr_input *input, hdr_picture *picture, hdr_error *err);
+/* What is read of the input, from its header alone, with the reading options (--part, --layer, --crop, ...) of a chain,
+ * whose clauses do not matter, behind those of the head, if there is one. A chain of NULL has none. */
+hdr_status hdr_input_picture(hdr_input *input, const hdr_chain *chain, hdr_picture *picture, hdr_error *err);
+
+/* ---- Contents -------------------------------------------------------------------------------------------------------
+ */
+
+/* A channel as the file has it: "left.R". One of every x_sampling pixels of a row is stored, of every y_sampling rows.
+ */
+typedef struct hdr_listed_channel {
+    const char *name;
+    hdr_type type;
+    int x_sampling, y_sampling;
+} hdr_listed_channel;
+
+/* An attribute of the header. value is text: of a number, of several with a space between them, of a string; NULL for a
+ * type that is not shown. */
+typedef struct hdr_attribute {
+    const char *name, *type, *value;
+} hdr_attribute;
+
+/* One picture, or heap of channels, of a file. Texts are empty where the file says nothing. */
+typedef struct hdr_part {
+    int number; /* from 0: what --part takes */
+    const char *name, *view;
+    const char *storage;     /* "scan-line", "tiled", "deep scan-line", "deep tiled" */
+    const char *compression; /* as in hdr_picture; "dwaa", "dwab" */
+    hdr_window data, display;
+    int tile_width, tile_height; /* 0: no tiles */
+    const char *levels;          /* "one", "mipmap", "ripmap"; what --level takes is 0 ... level_count-1 */
+    int level_count;
+    int channel_count, view_count, attribute_count;
+    const hdr_listed_channel *channels; /* in the order of the file, which is that of their names */
+    const char *const *views;           /* multiView: the first is that of the channels without a layer */
+    const hdr_attribute *attributes;
+} hdr_part;
+
+typedef struct hdr_contents {
+    int part_count;
+    const hdr_part *parts;
+} hdr_contents;
+
+/* Lists all that the input holds, from its headers alone, also what cannot be read, such as deep data. It belongs to
+ * the caller, strings and all, and is independent of the input; hdr_contents_free frees it. NULL: no picture file, or a
+ * damaged one. */
+hdr_contents *hdr_input_contents(hdr_input *input, hdr_error *err);
+void hdr_contents_free(hdr_contents *contents);
 
 #ifdef __cplusplus
 }

@@ -18,6 +18,8 @@ typedef struct hdr_common {
     const char *output;
     bool quiet, verbose, explain, json, help, version, reference, no_skip, strict;
     int window, primaries, adapt;
+    const char *part, *layer, *channel, *level,
+        *crop; /* how the file is read, as typed; NULL: not given, level is "0" then */
 } hdr_common;
 enum { HDR_WINDOW_DISPLAY, HDR_WINDOW_DATA };
 enum { HDR_PRIMARIES_REC709, HDR_PRIMARIES_KEEP };
@@ -44,6 +46,15 @@ hdr_status hdr_chain_add_reading(hdr_chain *chain, const char *const words[], in
 
 /* The common options that do not travel, as chain has them: they stay with the program they were given to. */
 hdr_status hdr_chain_add_local(hdr_chain *whole, const hdr_chain *chain, hdr_error *err);
+
+/* ---- reading.c ---- */
+
+/* Whether a common option's text, which has been stored, says what it ought to: levels and rectangles have a form of
+ * their own, and a name is not empty. NULL: it does; else what is wrong with it. */
+const char *hdr_common_fault(const hdr_common *common, const hdr_option *option);
+
+/* How the chain's file is to be read. The strings belong to the chain. */
+hdr_reading hdr_chain_reading(const hdr_chain *chain);
 
 /* ---- head.c ---- */
 

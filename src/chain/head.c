@@ -170,6 +170,7 @@ static char *take_head(hdr_input *input, hdr_error *err) {
         return NULL;
     }
     hdr_error own = {0};
+    hdr_input_skip(input, 0); /* an input that was read before may be read again */
     int64_t length = hdr_input_get_planes(input) ? 0 : hdr_input_read(input, text, strlen(MAGIC), 0, err);
     if (length == (int64_t)strlen(MAGIC) && !memcmp(text, MAGIC, strlen(MAGIC)))
         length = hdr_input_read(input, text, HEAD_MAX, 0, err);

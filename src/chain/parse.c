@@ -31,6 +31,37 @@ static const hdr_option common_options[] = {
      .words = automatic,
      .default_value = "auto",
      .help = "threads; auto is HDR_THREADS, else the cores this process may use"},
+    {.name = "part",
+     .type = HDR_OPTION_TEXT,
+     .offset = COMMON(part),
+     .metavar = "PART",
+     .help = "read this part of a multi-part file: its number, from 0, or its name",
+     .travels = true},
+    {.name = "layer",
+     .type = HDR_OPTION_TEXT,
+     .offset = COMMON(layer),
+     .metavar = "NAME",
+     .help = "read this layer or view (diffuse, left) instead of the unnamed one",
+     .travels = true},
+    {.name = "channel",
+     .type = HDR_OPTION_TEXT,
+     .offset = COMMON(channel),
+     .metavar = "NAME",
+     .help = "read this single channel, of any type, as grey",
+     .travels = true},
+    {.name = "level",
+     .type = HDR_OPTION_TEXT,
+     .offset = COMMON(level),
+     .metavar = "LEVEL",
+     .default_value = "0",
+     .help = "read level N of a mip map, or with proxy:PIXELS the smallest whose larger side has that many pixels",
+     .travels = true},
+    {.name = "crop",
+     .type = HDR_OPTION_TEXT,
+     .offset = COMMON(crop),
+     .metavar = "X,Y,W,H",
+     .help = "make this rectangle of the display window's coordinates the picture, as if the file held no more",
+     .travels = true},
     {.name = "window",
      .type = HDR_OPTION_CHOICE,
      .offset = COMMON(window),
@@ -210,23 +241,29 @@ typedef struct words {
     int count, next;
 } words;
 
-/* Looks the option up in the clause's table, then among the common ones. */
-static hdr_status set_option(hdr_chain *chain, hdr_clause *clause, const hdr_option *own, const hdr_option *common,
-                             const char *text, hdr_error *err) {
-    if (own) return hdr_option_set(own, text, clause->params, &clause->given, err);
-    return hdr_option_set(common, text, &chain->common, &chain->common_given, err);
-}
-
-static hdr_status unknown_option(const hdr_clause *clause, const char *word, hdr_error *err) {
-    if (!clause) return hdr_fail(err, HDR_USAGE, "unknown option %.100s", word);
-    return hdr_fail(err, HDR_USAGE, "unknown option %.100s; see hdr %s --help", word, clause->verb->about.name);
-}
-
 /* With the option's own help line. */
 static hdr_status refuse_option(const hdr_option *option, const char *why, hdr_error *err) {
     char line[400];
     hdr_option_describe(option, line, sizeof line);
     return hdr_fail(err, HDR_USAGE, "--%s: %s\n%s", option->name, why, line);
+}
+
+static hdr_status set_common(hdr_chain *chain, const hdr_option *option, const char *text, hdr_error *err) {
+    hdr_status status = hdr_option_set(option, text, &chain->common, &chain->common_given, err);
+    const char *fault = status ? NULL : hdr_common_fault(&chain->common, option);
+    return fault ? refuse_option(option, fault, err) : status;
+}
+
+/* Looks the option up in the clause's table, then among the common ones. */
+static hdr_status set_option(hdr_chain *chain, hdr_clause *clause, const hdr_option *own, const hdr_option *common,
+                             const char *text, hdr_error *err) {
+    if (own) return hdr_option_set(own, text, clause->params, &clause->given, err);
+    return set_common(chain, common, text, err);
+}
+
+static hdr_status unknown_option(const hdr_clause *clause, const char *word, hdr_error *err) {
+    if (!clause) return hdr_fail(err, HDR_USAGE, "unknown option %.100s", word);
+    return hdr_fail(err, HDR_USAGE, "unknown option %.100s; see hdr %s --help", word, clause->verb->about.name);
 }
 
 /* The value of an option that takes one: what stands behind it, or the next word. */
@@ -412,7 +449,7 @@ static hdr_status merge_reading(hdr_chain *chain, const hdr_options *line, hdr_e
             return hdr_fail(err, HDR_USAGE, "--%s: one program of the pipe says %s, another %s", now->option->name,
                             earlier->text, now->text);
         if (earlier) continue;
-        hdr_status status = hdr_option_set(now->option, now->text, &chain->common, &chain->common_given, err);
+        hdr_status status = set_common(chain, now->option, now->text, err);
         if (status) return status;
     }
     return HDR_OK;

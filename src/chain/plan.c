@@ -364,14 +364,27 @@ hdr_status hdr_chain_stats(hdr_chain *chain, hdr_input *input, hdr_stats *stats,
     return run_chain(chain, input, listener, finish_stats, stats, err);
 }
 
-hdr_status hdr_input_picture(hdr_input *input, hdr_picture *picture, hdr_error *err) {
+hdr_status hdr_input_picture(hdr_input *input, const hdr_chain *chain, hdr_picture *picture, hdr_error *err) {
+    hdr_error own = {0};
+    hdr_chain *none = hdr_chain_new(&own);
+    hdr_chain *whole = none ? hdr_chain_behind_head(chain ? chain : none, input, &own) : NULL;
+    hdr_reading reading = whole ? hdr_chain_reading(whole) : (hdr_reading){.memory = 0};
+    hdr_source *source = whole ? hdr_source_open(input, &reading, &own) : NULL;
+    if (source) *picture = source->picture;
+    hdr_source_close(source);
+    hdr_chain_free(whole);
+    hdr_chain_free(none);
+    return own.status ? with_name(err, &own, input) : HDR_OK;
+}
+
+hdr_contents *hdr_input_contents(hdr_input *input, hdr_error *err) {
     hdr_error own = {0};
     hdr_chain *none = hdr_chain_new(&own);
     hdr_chain *head = none ? hdr_chain_behind_head(none, input, &own) : NULL;
-    hdr_source *source = head ? hdr_source_open(input, &(hdr_reading){.memory = hdr_memory_default()}, &own) : NULL;
-    if (source) *picture = source->picture;
-    hdr_source_close(source);
+    hdr_reading reading = head ? hdr_chain_reading(none) : (hdr_reading){.memory = 0};
+    hdr_contents *contents = head ? hdr_source_contents(input, &reading, &own) : NULL;
     hdr_chain_free(head);
     hdr_chain_free(none);
-    return own.status ? with_name(err, &own, input) : HDR_OK;
+    if (own.status) with_name(err, &own, input);
+    return contents;
 }

@@ -26,7 +26,8 @@ hdr_status hdr_run_open(hdr_run *run, const hdr_chain *chain, hdr_input *input, 
                         hdr_error *err) {
     *run = (hdr_run){.chain = chain, .settings = *hdr_chain_settings(chain), .listener = listener};
     run->name = hdr_input_name(input);
-    run->source = hdr_source_open(input, &(hdr_reading){.memory = run->settings.memory}, err);
+    hdr_reading reading = hdr_chain_reading(chain);
+    run->source = hdr_source_open(input, &reading, err);
     if (!run->source) return err->status;
     run->thread_count = run->settings.threads < run->source->blocks ? run->settings.threads : run->source->blocks;
     if (run->thread_count < 1) run->thread_count = 1;
@@ -59,12 +60,6 @@ void hdr_run_close(hdr_run *run) {
 
 /* ---- Blocks ---- */
 
-static int block_rows(const hdr_run *run, int block) {
-    int64_t height = hdr_window_height(&run->source->picture.data);
-    int64_t left = height - (int64_t)block * run->source->block_rows;
-    return left < run->source->block_rows ? (int)left : run->source->block_rows;
-}
-
 void hdr_run_keep(hdr_run *run) {
     uint64_t size = (uint64_t)run->kept_row * (uint64_t)hdr_window_height(&run->source->picture.data);
     if (run->kept || size > run->settings.memory / 2 || size > SIZE_MAX) return;
@@ -77,13 +72,14 @@ void hdr_run_keep(hdr_run *run) {
 /* Where a kept block lies: its channels one after the other, each in whole rows. */
 static void kept_block(const hdr_run *run, int block, hdr_block *out) {
     const hdr_picture *picture = &run->source->picture;
-    unsigned char *at = run->kept + (size_t)block * (size_t)run->source->block_rows * run->kept_row;
-    *out = (hdr_block){.first_row = block * run->source->block_rows, .rows = block_rows(run, block)};
-    /* float channels first: every plane stays aligned to its type */
+    int first = hdr_source_first_row(run->source, block);
+    unsigned char *at = run->kept + (size_t)first * run->kept_row;
+    *out = (hdr_block){.first_row = first, .rows = hdr_source_first_row(run->source, block + 1) - first};
+    /* channels of four bytes first: every plane stays aligned to its type */
     for (int pass = 0; pass < 2; pass++)
         for (int c = 0; c < 4; c++) {
             hdr_type type = picture->channels[c].type;
-            if (!picture->present[c] || (type == HDR_FLOAT) != (pass == 0)) continue;
+            if (!picture->present[c] || (hdr_type_size(type) == 4) != (pass == 0)) continue;
             out->type[c] = type;
             out->stride[c] = hdr_type_size(type) * (size_t)hdr_window_width(&picture->data);
             out->plane[c] = at;
@@ -147,6 +143,11 @@ static bool load_plane(hdr_run *run, hdr_watch *watch, const hdr_block *block, i
         }
         for (size_t i = 0; i < count; i++)
             out[i] = hdr_half_value(half[i]);
+    } else if (block->type[channel] == HDR_UINT) {
+        const uint32_t *values = (const uint32_t *)(const void *)at + x;
+        for (size_t i = 0; i < count; i++)
+            out[i] = values[i];
+        return true;
     } else {
         const float *values = (const float *)(const void *)at + x;
         hdr_float_to_real(values, out, count);
@@ -219,7 +220,7 @@ static hdr_status find_largest(void *context, int block, int thread, hdr_error *
     if (status) return status;
     int64_t width = hdr_window_width(&run->source->picture.data);
     for (int c = 0; c < 4; c++)
-        for (int row = 0; in.plane[c] && row < in.rows; row++) {
+        for (int row = 0; in.plane[c] && in.type[c] != HDR_UINT && row < in.rows; row++) {
             const unsigned char *at = in.plane[c] + (size_t)row * in.stride[c];
             for (int64_t x = 0; x < width; x++) {
                 double value = in.type[c] == HDR_HALF ? hdr_half_value(((const uint16_t *)(const void *)at)[x])
@@ -359,7 +360,7 @@ static hdr_status guess_job(void *context, int item, int thread, hdr_error *err)
 
 hdr_status hdr_run_guess(hdr_run *run, bool grey_matters, hdr_error *err) {
     const hdr_picture *picture = &run->source->picture;
-    if (run->raw.certain || (picture->planes == 1 && !picture->has_alpha)) return HDR_OK;
+    if (run->raw.certain || run->source->blocks == 0 || (picture->planes == 1 && !picture->has_alpha)) return HDR_OK;
     for (int t = 0; t < run->thread_count; t++)
         run->threads[t].watch = (hdr_watch){0};
     hdr_status status = hdr_pool_run(run->pool, 1, guess_job, run, err);

@@ -36,8 +36,9 @@ static hdr_status cut_bands(writing *w, hdr_error *err) {
     int multiple = w->sink->band_multiple, height = w->frame.height;
     int64_t step = source->block_rows;
     if (multiple > 1) step = (step + multiple - 1) / multiple * multiple;
-    /* where the data window's first row lies in the frame */
-    int64_t offset = multiple > 1 ? 0 : ((int64_t)source->picture.data.min_y - w->frame.data.min_y) % step;
+    /* where the data window's first block begins in the frame */
+    int64_t first_block = (int64_t)source->picture.data.min_y - source->rows_cut - w->frame.data.min_y;
+    int64_t offset = multiple > 1 ? 0 : first_block % step;
     if (offset < 0) offset += step;
     free(w->first_row);
     w->first_row = hdr_alloc((size_t)(height / step) + 4, sizeof *w->first_row);
@@ -225,7 +226,7 @@ static bool make_band(const writing *w, int thread, int first, int end, hdr_erro
             memset(out, 0, row_bytes);
             continue;
         }
-        int wanted = (int)(data_row / run->source->block_rows);
+        int wanted = hdr_source_block_of(run->source, (int)data_row);
         if (wanted != current && hdr_run_read(run, thread, wanted, &block, err)) return false;
         current = wanted;
         if (!make_row(w, thread, &block, (int)data_row - block.first_row, out)) return false;
@@ -255,6 +256,10 @@ static hdr_status choose_frame(writing *w, hdr_error *err) {
     double area = (double)width * (double)height;
     double data_area = (double)hdr_window_width(&picture->data) * (double)hdr_window_height(&picture->data);
     /* a display window that is mostly black is one thing, one of 10^18 pixels a damaged file */
+    if (width < 1 && window == &picture->data)
+        return hdr_fail(err, HDR_BAD_DATA,
+                        "there are no pixels in the rectangle that --crop leaves: only --window "
+                        "display can be written, black");
     if (width < 1 || height < 1 || width > INT32_MAX || height > INT32_MAX || (area > 0x1p27 && area > 64 * data_area))
         return hdr_fail(err, HDR_BAD_DATA,
                         "the display window of %lld x %lld pixels cannot be written; try --window data",

@@ -1,176 +1,22 @@
-/* The header of an EXR file.
- *
- * The attributes are walked here, and only those that say how pixels are stored and what they mean are handed on to
- * OpenEXRCore, as a little header of their own. So what the library allocates is bounded by bytes that were really
- * there, whatever sizes the file claims; thumbnails and manifests of megabytes are stepped over unread; and it never
- * waits for a pipe's end. */
+/* The header of the part of an EXR file that is read: what OpenEXRCore makes of it, checked. It sees the attributes
+ * that exr_walk.c has kept, as the header of a file of that part alone. */
 #include "io/exr_header.h"
+
+#include "io/exr_choose.h"
+#include "io/exr_levels.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    START_BYTES = 8, /* magic number and version word */
-    FLAG_TILED = 0x200,
-    FLAG_LONG_NAMES = 0x400,
-    FLAG_DEEP = 0x800,
-    FLAG_MULTI_PART = 0x1000,
-    LONGEST_NAME = 255,
-    LONGEST_KEPT = 256 * 1024, /* of an attribute's value: thousands of channels */
-    LISTED_BYTES = 400         /* of channel names in a message */
-};
-
 /* The header that the library gets to see, and what it has to say about it. */
 struct hdr_exr_text {
-    hdr_bytes bytes;
+    hdr_exr_file file; /* all headers */
+    hdr_bytes bytes;   /* of the part; belongs to the file */
     char complaint[256];
     bool listening; /* while the header is parsed, by one thread; later complaints come from many and are not needed */
 };
-
-static const char *const kept_attributes[] = {
-    "channels",           "compression",       "dataWindow", "displayWindow",  "lineOrder",      "pixelAspectRatio",
-    "screenWindowCenter", "screenWindowWidth", "tiles",      "chromaticities", "adoptedNeutral", "hdrpipeState",
-};
-enum { KEPT_ATTRIBUTES = sizeof kept_attributes / sizeof kept_attributes[0] };
-
-/* ---- Walking the attributes ---- */
-
-static uint32_t little_endian_32(const unsigned char *bytes) {
-    return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
-}
-
-static hdr_status read_exactly(hdr_input *input, void *to, size_t size, uint64_t offset, hdr_error *err) {
-    int64_t count = hdr_input_read(input, to, size, offset, err);
-    if (count < 0) return HDR_IO;
-    if ((uint64_t)count < size)
-        return hdr_fail(err, HDR_BAD_DATA, "%s: the file ends within its header", hdr_input_name(input));
-    return HDR_OK;
-}
-
-/* The name, type and size in front of an attribute's value. */
-struct attribute {
-    char name[LONGEST_NAME + 1], type[LONGEST_NAME + 1];
-    char shown[LONGEST_NAME + 1]; /* the name, fit for a message */
-    uint32_t size;
-    uint64_t value; /* its offset */
-};
-
-/* Names in a damaged header may be anything; messages are to be text. */
-static void make_plain(char *text) {
-    for (; *text; text++)
-        if (*text < ' ' || *text > '~') *text = '?';
-}
-
-/* Takes a text that ends in a NUL from the front of bytes. Returns its length with the NUL; 0: there is no NUL. */
-static size_t take_text(const unsigned char *bytes, size_t size, char text[LONGEST_NAME + 1]) {
-    const unsigned char *end = memchr(bytes, 0, size < LONGEST_NAME + 1 ? size : LONGEST_NAME + 1);
-    if (!end) return 0;
-    memcpy(text, bytes, (size_t)(end - bytes) + 1);
-    return (size_t)(end - bytes) + 1;
-}
-
-/* Reads what stands in front of a value. An empty name is the header's end. */
-static hdr_status next_attribute(hdr_input *input, uint64_t offset, struct attribute *attribute, hdr_error *err) {
-    unsigned char bytes[2 * (LONGEST_NAME + 1) + 4];
-    int64_t count = hdr_input_read(input, bytes, sizeof bytes, offset, err);
-    if (count < 0) return HDR_IO;
-    size_t size = (size_t)count;
-    size_t name = take_text(bytes, size, attribute->name);
-    if (name == 1) return HDR_OK;
-    size_t type = name ? take_text(bytes + name, size - name, attribute->type) : 0;
-    if (size < sizeof bytes && (name == 0 || type == 0 || size < name + type + 4))
-        return hdr_fail(err, HDR_BAD_DATA, "%s: the file ends within its header", hdr_input_name(input));
-    if (name == 0 || type <= 1)
-        return hdr_fail(err, HDR_BAD_DATA, "%s: the header is damaged: no attribute at byte %llu",
-                        hdr_input_name(input), (unsigned long long)offset);
-    memcpy(attribute->shown, attribute->name, sizeof attribute->shown);
-    make_plain(attribute->shown);
-    attribute->size = little_endian_32(bytes + name + type);
-    attribute->value = offset + name + type + 4;
-    int64_t file_size = hdr_input_size(input);
-    if (attribute->size > INT32_MAX || (file_size >= 0 && attribute->value + attribute->size > (uint64_t)file_size))
-        return hdr_fail(err, HDR_BAD_DATA, "%s: the header is damaged: attribute \"%s\" claims %u bytes",
-                        hdr_input_name(input), attribute->shown, attribute->size);
-    return HDR_OK;
-}
-
-/* Copies an attribute into the library's header. */
-static hdr_status keep(hdr_input *input, const struct attribute *attribute, hdr_bytes *to, hdr_error *err) {
-    if (attribute->size > LONGEST_KEPT)
-        return hdr_fail(err, HDR_BAD_DATA, "%s: the header is damaged: attribute \"%s\" claims %u bytes",
-                        hdr_input_name(input), attribute->shown, attribute->size);
-    uint32_t size = attribute->size;
-    const unsigned char size_bytes[4] = {(unsigned char)size, (unsigned char)(size >> 8), (unsigned char)(size >> 16),
-                                         (unsigned char)(size >> 24)};
-    hdr_status status = hdr_bytes_add(to, attribute->name, strlen(attribute->name) + 1, err);
-    if (status == HDR_OK) status = hdr_bytes_add(to, attribute->type, strlen(attribute->type) + 1, err);
-    if (status == HDR_OK) status = hdr_bytes_add(to, size_bytes, sizeof size_bytes, err);
-    if (status == HDR_OK) status = hdr_bytes_reserve(to, to->size + size, err);
-    if (status == HDR_OK && size > 0) status = read_exactly(input, to->data + to->size, size, attribute->value, err);
-    if (status == HDR_OK) to->size += size;
-    return status;
-}
-
-/* Deep files say so in the version word too, but not all of them. */
-static hdr_status refuse_deep_type(hdr_input *input, const struct attribute *attribute, hdr_error *err) {
-    char value[4] = "";
-    if (attribute->size < sizeof value) return HDR_OK;
-    hdr_status status = read_exactly(input, value, sizeof value, attribute->value, err);
-    if (status == HDR_OK && memcmp(value, "deep", sizeof value) == 0)
-        status =
-            hdr_fail(err, HDR_BAD_DATA,
-                     "%s: deep data (several samples at different depths in a pixel) is not read; flatten it first",
-                     hdr_input_name(input));
-    return status;
-}
-
-static hdr_status walk(hdr_input *input, hdr_exr_header *header, hdr_error *err) {
-    bool seen[KEPT_ATTRIBUTES] = {false};
-    uint64_t offset = START_BYTES;
-    for (;;) {
-        struct attribute attribute = {.name = ""};
-        hdr_status status = next_attribute(input, offset, &attribute, err);
-        if (status != HDR_OK) return status;
-        if (attribute.name[0] == '\0') break;
-        if (strcmp(attribute.name, "type") == 0) status = refuse_deep_type(input, &attribute, err);
-        for (int i = 0; status == HDR_OK && i < KEPT_ATTRIBUTES; i++) {
-            if (strcmp(attribute.name, kept_attributes[i]) != 0) continue;
-            if (seen[i])
-                return hdr_fail(err, HDR_BAD_DATA, "%s: the header is damaged: attribute \"%s\" stands there twice",
-                                hdr_input_name(input), attribute.shown);
-            seen[i] = true;
-            status = keep(input, &attribute, &header->text->bytes, err);
-        }
-        if (status != HDR_OK) return status;
-        offset = attribute.value + attribute.size;
-    }
-    header->table_offset = offset + 1;
-    return hdr_bytes_add(&header->text->bytes, "", 1, err);
-}
-
-/* Reads the magic number and the version word, and refuses what the latter tells to be of another kind. */
-static hdr_status read_start(hdr_input *input, hdr_exr_header *header, hdr_error *err) {
-    const char *name = hdr_input_name(input);
-    unsigned char start[START_BYTES];
-    hdr_status status = read_exactly(input, start, sizeof start, 0, err);
-    if (status != HDR_OK) return status;
-    uint32_t version = little_endian_32(start + 4);
-    if ((version & 0xff) != 2)
-        return hdr_fail(err, HDR_BAD_DATA, "%s: EXR version %u is not known; version 2 is", name, version & 0xff);
-    if (version & FLAG_DEEP)
-        return hdr_fail(err, HDR_BAD_DATA,
-                        "%s: deep data (several samples at different depths in a pixel) is not read; flatten it first",
-                        name);
-    if (version & FLAG_MULTI_PART)
-        return hdr_fail(err, HDR_BAD_DATA,
-                        "%s: a multi-part EXR is not read; write the wanted part to a file of its own", name);
-    if (version & ~(uint32_t)(0xff | FLAG_TILED | FLAG_LONG_NAMES))
-        return hdr_fail(err, HDR_BAD_DATA, "%s: the version word %#x asks for what is not known", name, version);
-    header->tiled = (version & FLAG_TILED) != 0;
-    return hdr_bytes_add(&header->text->bytes, start, sizeof start, err);
-}
 
 /* ---- The library's parser ---- */
 
@@ -213,7 +59,7 @@ static hdr_status parse(hdr_input *input, hdr_exr_header *header, hdr_error *err
     header->context = NULL;
     if (result == EXR_ERR_OUT_OF_MEMORY) return hdr_fail(err, HDR_INTERNAL, "out of memory");
     char *complaint = header->text->complaint;
-    make_plain(complaint);
+    hdr_exr_make_plain(complaint);
     return hdr_fail(err, HDR_BAD_DATA, "%s: the header is damaged: %s", hdr_input_name(input),
                     complaint[0] ? complaint : exr_get_error_code_as_string(result));
 }
@@ -221,15 +67,15 @@ static hdr_status parse(hdr_input *input, hdr_exr_header *header, hdr_error *err
 /* ---- What the header says ---- */
 
 static hdr_status read_compression(const char *name, hdr_exr_header *header, hdr_error *err) {
-    static const char *const names[] = {"none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"};
     static const int rows[] = {1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
     exr_compression_t compression;
     if (exr_get_compression(header->context, 0, &compression) != EXR_ERR_SUCCESS ||
-        (size_t)compression >= sizeof names / sizeof names[0])
+        !hdr_exr_compression_name((int)compression))
         return hdr_fail(err, HDR_BAD_DATA, "%s: its compression is not known", name);
     header->compression = compression;
     header->chunk_rows = rows[compression];
-    snprintf(header->picture.compression, sizeof header->picture.compression, "%s", names[compression]);
+    snprintf(header->picture.compression, sizeof header->picture.compression, "%s",
+             hdr_exr_compression_name((int)compression));
     return HDR_OK;
 }
 
@@ -251,13 +97,45 @@ static hdr_status read_geometry(const char *name, hdr_exr_header *header, hdr_er
         return hdr_fail(err, HDR_BAD_DATA, "%s: the header is damaged: no pixels in its data window", name);
     snprintf(picture->format, sizeof picture->format, "exr");
     snprintf(picture->storage, sizeof picture->storage, "%s", header->tiled ? "tiled" : "scan-line");
-    if (!header->tiled) return HDR_OK;
-    uint32_t tile_width, tile_height;
-    exr_tile_level_mode_t levels;
-    exr_tile_round_mode_t rounding;
-    if (exr_get_tile_descriptor(header->context, 0, &tile_width, &tile_height, &levels, &rounding) != EXR_ERR_SUCCESS ||
-        tile_width < 1 || tile_height < 1)
+    return HDR_OK;
+}
+
+/* Tiles, and the level that is read; the windows become the level's. */
+static hdr_status read_tiles(const char *name, hdr_exr_header *header, const hdr_reading *reading, hdr_error *err) {
+    hdr_picture *picture = &header->picture;
+    uint32_t tile_width = 1, tile_height = 1;
+    exr_tile_level_mode_t mode = EXR_TILE_ONE_LEVEL;
+    exr_tile_round_mode_t rounding = EXR_TILE_ROUND_DOWN;
+    if (header->tiled &&
+        (exr_get_tile_descriptor(header->context, 0, &tile_width, &tile_height, &mode, &rounding) != EXR_ERR_SUCCESS ||
+         tile_width < 1 || tile_height < 1))
         return hdr_fail(err, HDR_BAD_DATA, "%s: the header is damaged: no size of tiles", name);
+    const hdr_exr_levels levels = {.width = header->width,
+                                   .height = header->height,
+                                   .tile_width = header->tiled ? (int64_t)tile_width : header->width,
+                                   .tile_height = header->tiled ? (int64_t)tile_height : header->chunk_rows,
+                                   .mode = mode,
+                                   .up = rounding == EXR_TILE_ROUND_UP};
+    uint64_t across = (uint64_t)((levels.width + levels.tile_width - 1) / levels.tile_width);
+    uint64_t down = (uint64_t)((levels.height + levels.tile_height - 1) / levels.tile_height);
+    if (across * down > INT32_MAX)
+        return hdr_fail(err, HDR_BAD_DATA,
+                        "%s: the header asks for %lld x %lld pixels in more tiles than a file can have", name,
+                        (long long)header->width, (long long)header->height);
+    int count = hdr_exr_level_count(&levels);
+    if (!reading->proxy && reading->level >= count)
+        return hdr_fail(err, HDR_BAD_DATA, "%s: it has no level %lld: %s%d", name, (long long)reading->level,
+                        count > 1 ? "its levels are 0 to " : "its only level is ", count - 1);
+    int level = reading->proxy ? hdr_exr_level_for(&levels, reading->level) : (int)reading->level;
+    header->first_chunk = hdr_exr_level_chunks(&levels, level);
+    header->all_chunks = hdr_exr_level_chunks(&levels, count);
+    picture->level = level;
+    picture->display = hdr_exr_level_window(&levels, &picture->display, &picture->data, level);
+    header->width = hdr_exr_level_size(&levels, levels.width, level);
+    header->height = hdr_exr_level_size(&levels, levels.height, level);
+    picture->data.max_x = (int32_t)(picture->data.min_x + header->width - 1);
+    picture->data.max_y = (int32_t)(picture->data.min_y + header->height - 1);
+    if (!header->tiled) return HDR_OK;
     header->tile_width = (int)(tile_width < (uint64_t)header->width ? tile_width : (uint64_t)header->width);
     header->chunk_rows = (int)(tile_height < (uint64_t)header->height ? tile_height : (uint64_t)header->height);
     return HDR_OK;
@@ -314,25 +192,10 @@ static int find_channel(const exr_attr_chlist_t *list, const char *name) {
     return -1;
 }
 
-static hdr_status refuse_channels(const char *name, const exr_attr_chlist_t *list, hdr_error *err) {
-    char names[LISTED_BYTES] = "";
-    size_t length = 0;
-    for (int i = 0; i < list->num_channels; i++) {
-        const char *channel = list->entries[i].name.str;
-        if (length + strlen(channel) + 8 > sizeof names) {
-            snprintf(names + length, sizeof names - length, ", ...");
-            break;
-        }
-        length += (size_t)snprintf(names + length, sizeof names - length, "%s%s", i ? ", " : "", channel);
-    }
-    make_plain(names);
-    return hdr_fail(err, HDR_BAD_DATA, "%s: it has none of the channels R, G, B and Y; it has: %s", name, names);
-}
-
 static hdr_status refuse_subsampled(const char *name, const exr_attr_chlist_entry_t *entry, hdr_error *err) {
-    char channel[LONGEST_NAME + 1];
+    char channel[HDR_EXR_LONGEST_NAME + 1];
     snprintf(channel, sizeof channel, "%s", entry->name.str);
-    make_plain(channel);
+    hdr_exr_make_plain(channel);
     return hdr_fail(err, HDR_BAD_DATA,
                     "%s: channel %s is subsampled (%d x %d); channels are read at full resolution only", name, channel,
                     entry->x_sampling, entry->y_sampling);
@@ -340,45 +203,45 @@ static hdr_status refuse_subsampled(const char *name, const exr_attr_chlist_entr
 
 /* Reads place 0 ... 3 of the picture from a channel of the list. */
 static hdr_status use_channel(const char *name, hdr_exr_header *header, const exr_attr_chlist_t *list, int place,
-                              int index, hdr_error *err) {
+                              int index, bool single, hdr_error *err) {
     const exr_attr_chlist_entry_t *entry = &list->entries[index];
     hdr_channel *channel = &header->picture.channels[place];
-    if (entry->pixel_type != EXR_PIXEL_HALF && entry->pixel_type != EXR_PIXEL_FLOAT)
+    if (entry->pixel_type != EXR_PIXEL_HALF && entry->pixel_type != EXR_PIXEL_FLOAT && !single) {
+        char plain[HDR_EXR_LONGEST_NAME + 1];
+        snprintf(plain, sizeof plain, "%s", entry->name.str);
+        hdr_exr_make_plain(plain);
         return hdr_fail(err, HDR_BAD_DATA,
-                        "%s: channel %s holds whole numbers (uint), not light; half and float are read", name,
-                        entry->name.str);
-    channel->type = entry->pixel_type == EXR_PIXEL_HALF ? HDR_HALF : HDR_FLOAT;
+                        "%s: channel %s holds whole numbers (uint), not light; --channel %s reads it by itself", name,
+                        plain, plain);
+    }
+    channel->type = entry->pixel_type == EXR_PIXEL_HALF    ? HDR_HALF
+                    : entry->pixel_type == EXR_PIXEL_FLOAT ? HDR_FLOAT
+                                                           : HDR_UINT;
     header->picture.present[place] = true;
     for (int i = 0; i < index; i++)
         header->before[place] += list->entries[i].pixel_type == EXR_PIXEL_HALF ? 2 : 4;
     return HDR_OK;
 }
 
-static hdr_status choose_channels(const char *name, hdr_exr_header *header, hdr_error *err) {
-    static const char *const colours[] = {"R", "G", "B"};
+/* Finds the chosen channels in the library's list, which is in the order in which they are stored. */
+static hdr_status use_channels(const char *name, hdr_exr_header *header, const hdr_exr_choice *choice, hdr_error *err) {
+    static const char *const colours[] = {"R", "G", "B", "A"};
     hdr_picture *picture = &header->picture;
     const exr_attr_chlist_t *list;
     if (exr_get_channels(header->context, 0, &list) != EXR_ERR_SUCCESS || list->num_channels < 1)
         return hdr_fail(err, HDR_BAD_DATA, "%s: the header is damaged: no channels", name);
-    int index[4] = {find_channel(list, "R"), find_channel(list, "G"), find_channel(list, "B"), find_channel(list, "A")};
-    bool coloured = index[0] >= 0 || index[1] >= 0 || index[2] >= 0;
-    if (!coloured) {
-        index[0] = find_channel(list, "Y");
-        if (find_channel(list, "BY") >= 0 || find_channel(list, "RY") >= 0)
-            return hdr_fail(err, HDR_BAD_DATA,
-                            "%s: luminance-chroma channels (Y, BY, RY) are not read; store it as R, G, B", name);
-        if (index[0] < 0) return refuse_channels(name, list, err);
-    }
-    picture->planes = coloured ? 3 : 1;
-    picture->has_alpha = index[3] >= 0;
+    if (choice->chroma[0] || choice->chroma[1])
+        return hdr_fail(err, HDR_BAD_DATA,
+                        "%s: luminance-chroma channels (Y, BY, RY) are not read; store it as R, G, B", name);
+    picture->planes = choice->planes;
+    picture->has_alpha = choice->channel[3] != NULL;
+    memcpy(picture->layer, choice->layer, sizeof picture->layer);
     hdr_status status = HDR_OK;
     for (int i = 0; i < 4 && status == HDR_OK; i++) {
-        snprintf(picture->channels[i].name, HDR_CHANNEL_NAME, "%s",
-                 i == 3     ? "A"
-                 : coloured ? colours[i]
-                 : i        ? ""
-                            : "Y");
-        if (index[i] >= 0) status = use_channel(name, header, list, i, index[i], err);
+        const char *missing = i < picture->planes || i == 3 ? colours[i] : "";
+        snprintf(picture->channels[i].name, HDR_CHANNEL_NAME, "%s", choice->channel[i] ? choice->channel[i] : missing);
+        int index = choice->channel[i] ? find_channel(list, choice->channel[i]) : -1;
+        if (index >= 0) status = use_channel(name, header, list, i, index, choice->single, err);
     }
     for (int i = 0; i < list->num_channels && status == HDR_OK; i++) {
         const exr_attr_chlist_entry_t *entry = &list->entries[i];
@@ -390,17 +253,47 @@ static hdr_status choose_channels(const char *name, hdr_exr_header *header, hdr_
 
 /* ---- In all ---- */
 
-hdr_status hdr_exr_header_read(hdr_input *input, hdr_exr_header *header, hdr_error *err) {
+/* Where the part's chunk table begins, and where all tables end. */
+static hdr_status find_tables(const char *name, hdr_exr_header *header, int number, hdr_error *err) {
+    const hdr_exr_file *file = &header->text->file;
+    const hdr_exr_part *part = &file->parts[number];
+    uint64_t entries = 0, before = 0;
+    for (int i = 0; file->multi_part && i < file->count; i++) {
+        if (i == number) before = entries;
+        entries += file->parts[i].chunk_count;
+    }
+    if (file->multi_part && part->chunk_count != header->all_chunks)
+        return hdr_fail(err, HDR_BAD_DATA, "%s: the header is damaged: part %d claims %llu chunks, and has %llu", name,
+                        number, (unsigned long long)part->chunk_count, (unsigned long long)header->all_chunks);
+    if (!file->multi_part) entries = header->all_chunks;
+    header->table_offset = file->tables + 8 * (before + header->first_chunk);
+    header->tables_end = file->tables + 8 * entries;
+    return HDR_OK;
+}
+
+hdr_status hdr_exr_header_read(hdr_input *input, const hdr_reading *reading, hdr_exr_header *header, hdr_error *err) {
     const char *name = hdr_input_name(input);
+    hdr_exr_choice choice = {.part = 0};
     *header = (hdr_exr_header){.tiled = false};
     header->text = hdr_alloc(1, sizeof *header->text);
     if (!header->text) return hdr_fail(err, HDR_INTERNAL, "out of memory");
-    hdr_status status = read_start(input, header, err);
-    if (status == HDR_OK) status = walk(input, header, err);
-    if (status == HDR_OK) status = parse(input, header, err);
+    hdr_exr_file *file = &header->text->file;
+    hdr_status status = hdr_exr_walk(input, file, NULL, err);
+    if (status == HDR_OK) status = hdr_exr_choose(file, name, reading, &choice, err);
+    if (status == HDR_OK) {
+        const hdr_exr_part *part = &file->parts[choice.part];
+        header->text->bytes = part->text;
+        header->tiled = part->tiled;
+        header->multi_part = file->multi_part;
+        header->picture.part = choice.part;
+        memcpy(header->picture.part_name, part->name, sizeof header->picture.part_name);
+        status = parse(input, header, err);
+    }
     if (status == HDR_OK) status = read_compression(name, header, err);
     if (status == HDR_OK) status = read_geometry(name, header, err);
-    if (status == HDR_OK) status = choose_channels(name, header, err);
+    if (status == HDR_OK) status = read_tiles(name, header, reading, err);
+    if (status == HDR_OK) status = find_tables(name, header, choice.part, err);
+    if (status == HDR_OK) status = use_channels(name, header, &choice, err);
     if (status == HDR_OK) status = read_colour(name, header, err);
     if (status == HDR_OK) status = read_state(name, header, err);
     if (status != HDR_OK) hdr_exr_header_free(header);
@@ -409,7 +302,7 @@ hdr_status hdr_exr_header_read(hdr_input *input, hdr_exr_header *header, hdr_err
 
 void hdr_exr_header_free(hdr_exr_header *header) {
     if (header->context) exr_finish(&header->context);
-    if (header->text) free(header->text->bytes.data);
+    if (header->text) hdr_exr_file_free(&header->text->file);
     free(header->text);
     header->context = NULL;
     header->text = NULL;

@@ -5,6 +5,7 @@
  * bytes do not back. */
 #include "io/exr_header.h"
 #include "io/exr_unpack.h"
+#include "io/exr_walk.h"
 #include "io/source.h"
 
 #include <stdlib.h>
@@ -13,8 +14,9 @@
 enum {
     LEAST_BLOCK_ROWS = 16,
     TABLE_STEP = 64 * 1024, /* entries of the chunk table read at once */
-    LEADER_LINES = 8,       /* bytes in front of a chunk of lines: the first line, the packed size */
-    LEADER_TILE = 20        /* and of a tile: across, down, level across, level down, the packed size */
+    LEADER_PART = 4,        /* bytes in front of a chunk: in a multi-part file the part's number, */
+    LEADER_LINES = 8,       /* then of lines: the first line, the packed size */
+    LEADER_TILE = 20        /* or of a tile: across, down, level across, level down, the packed size */
 };
 
 struct exr_source {
@@ -22,7 +24,7 @@ struct exr_source {
     hdr_input *input;
     hdr_exr_header header;
     uint64_t *table; /* where each chunk begins */
-    int64_t chunks;  /* of level 0 */
+    int64_t chunks;  /* of the level */
     int64_t tiles_across;
     size_t row_bytes;      /* of a row over all channels of the file */
     bool in_place[4];      /* a plane's rows are aligned where a chunk of lines has them */
@@ -52,12 +54,8 @@ static bool buffer_room(struct buffer *buffer, size_t size) {
 
 /* ---- Finding chunks ---- */
 
-static uint32_t little_endian_32(const unsigned char *bytes) {
-    return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
-}
-
-static uint64_t little_endian_64(const unsigned char *bytes) {
-    return little_endian_32(bytes) | (uint64_t)little_endian_32(bytes + 4) << 32;
+static size_t leader_size(const hdr_exr_header *header) {
+    return (size_t)(header->multi_part ? LEADER_PART : 0) + (header->tiled ? LEADER_TILE : LEADER_LINES);
 }
 
 /* Describes a chunk by its number, without looking at the file. */
@@ -106,18 +104,22 @@ static hdr_status read_bytes(struct exr_source *source, const hdr_exr_chunk *chu
 /* Checks what stands in front of the chunk, and sets its packed size and the offset of its packed bytes. */
 static hdr_status read_leader(struct exr_source *source, hdr_exr_chunk *chunk, uint64_t *offset, hdr_error *err) {
     const hdr_exr_header *header = &source->header;
-    unsigned char leader[LEADER_TILE];
-    size_t size = header->tiled ? LEADER_TILE : LEADER_LINES;
+    unsigned char bytes[LEADER_PART + LEADER_TILE];
+    size_t size = leader_size(header);
     uint64_t at = source->table[chunk->index];
-    if (at < header->table_offset + 8 * (uint64_t)source->chunks)
+    if (at < header->tables_end)
         return chunk_fault(source, chunk, "they are missing: the file was not written to its end", err);
-    hdr_status status = read_bytes(source, chunk, leader, size, at, err);
+    hdr_status status = read_bytes(source, chunk, bytes, size, at, err);
     if (status != HDR_OK) return status;
-    bool right = header->tiled ? little_endian_32(leader) == (uint32_t)chunk->x &&
-                                     little_endian_32(leader + 4) == (uint32_t)chunk->y &&
-                                     little_endian_32(leader + 8) == 0 && little_endian_32(leader + 12) == 0
-                               : little_endian_32(leader) == (uint32_t)chunk->y;
-    chunk->packed_size = little_endian_32(leader + size - 4);
+    const unsigned char *leader = bytes + (header->multi_part ? LEADER_PART : 0);
+    uint32_t level = (uint32_t)header->picture.level;
+    bool right = header->tiled
+                     ? hdr_little_endian_32(leader) == (uint32_t)chunk->x &&
+                           hdr_little_endian_32(leader + 4) == (uint32_t)chunk->y &&
+                           hdr_little_endian_32(leader + 8) == level && hdr_little_endian_32(leader + 12) == level
+                     : hdr_little_endian_32(leader) == (uint32_t)chunk->y;
+    right &= !header->multi_part || hdr_little_endian_32(bytes) == (uint32_t)header->picture.part;
+    chunk->packed_size = hdr_little_endian_32(bytes + size - 4);
     if (!right || !hdr_exr_plausible(header, chunk))
         return chunk_fault(source, chunk, "the chunk table or the chunk is damaged", err);
     *offset = at + size;
@@ -145,7 +147,7 @@ static hdr_status read_table(struct exr_source *source, hdr_error *err) {
         if (count < 0) return HDR_IO;
         if (count < step * 8) return hdr_fail(err, HDR_BAD_DATA, "%s: the file ends within its chunk table", name);
         for (int64_t i = done; i < done + step; i++)
-            grown[i] = little_endian_64((const unsigned char *)&grown[i]);
+            grown[i] = hdr_little_endian_64((const unsigned char *)&grown[i]);
         done += step;
     }
     return HDR_OK;
@@ -179,12 +181,10 @@ static hdr_status decode_chunk(struct exr_source *source, struct exr_worker *wor
 /* Lines that are stored unpacked and one behind the other can be read at once, leaders and all, and used where they
  * stand. False: these are not, or something is wrong with them, which reading them one by one will tell. */
 static bool read_stored_lines(struct exr_source *source, struct exr_worker *worker, const hdr_block *block) {
-    size_t pitch = LEADER_LINES + source->row_bytes, size = pitch * (size_t)block->rows;
+    size_t pitch = leader_size(&source->header) + source->row_bytes, size = pitch * (size_t)block->rows;
     const uint64_t *table = source->table + block->first_row;
     int64_t file_size = hdr_input_size(source->input);
-    if (source->header.compression != EXR_COMPRESSION_NONE ||
-        table[0] < source->header.table_offset + 8 * (uint64_t)source->chunks)
-        return false;
+    if (source->header.compression != EXR_COMPRESSION_NONE || table[0] < source->header.tables_end) return false;
     for (int i = 1; i < block->rows; i++)
         if (table[i] - table[i - 1] != pitch) return false;
     if (file_size >= 0 && (table[0] > (uint64_t)file_size || size > (uint64_t)file_size - table[0])) return false;
@@ -193,7 +193,11 @@ static bool read_stored_lines(struct exr_source *source, struct exr_worker *work
     for (int i = 0; i < block->rows; i++) {
         const unsigned char *leader = worker->chunk.bytes + pitch * (size_t)i;
         int line = source->header.picture.data.min_y + block->first_row + i;
-        if (little_endian_32(leader) != (uint32_t)line || little_endian_32(leader + 4) != source->row_bytes)
+        if (source->header.multi_part) {
+            if (hdr_little_endian_32(leader) != (uint32_t)source->header.picture.part) return false;
+            leader += LEADER_PART;
+        }
+        if (hdr_little_endian_32(leader) != (uint32_t)line || hdr_little_endian_32(leader + 4) != source->row_bytes)
             return false;
     }
     return true;
@@ -231,9 +235,10 @@ static hdr_status set_planes_of_lines(struct exr_source *source, struct exr_work
 }
 
 static hdr_status read_lines(struct exr_source *source, struct exr_worker *worker, hdr_block *block, hdr_error *err) {
+    size_t leader = leader_size(&source->header);
     if (read_stored_lines(source, worker, block))
-        return set_planes_of_lines(source, worker, worker->chunk.bytes + LEADER_LINES, LEADER_LINES + source->row_bytes,
-                                   block, err);
+        return set_planes_of_lines(source, worker, worker->chunk.bytes + leader, leader + source->row_bytes, block,
+                                   err);
     int chunk_rows = source->header.chunk_rows;
     for (int row = 0; row < block->rows; row += chunk_rows) {
         hdr_exr_chunk chunk = chunk_at(source, (block->first_row + row) / chunk_rows);
@@ -261,7 +266,9 @@ static void place_tile(const struct exr_source *source, const struct exr_worker 
 
 static hdr_status read_tiles(struct exr_source *source, struct exr_worker *worker, hdr_block *block, hdr_error *err) {
     int64_t first = block->first_row / source->header.chunk_rows * source->tiles_across;
-    for (int64_t across = 0; across < source->tiles_across; across++) {
+    int64_t from = source->base.first_column / source->header.tile_width, end = source->tiles_across;
+    if (source->base.end_column) end = (source->base.end_column - 1) / source->header.tile_width + 1;
+    for (int64_t across = from; across < end; across++) {
         hdr_exr_chunk tile = chunk_at(source, first + across);
         hdr_status status = decode_chunk(source, worker, &tile, tile.size, 0, err);
         if (status != HDR_OK) return status;
@@ -363,7 +370,7 @@ hdr_source *hdr_exr_open(hdr_input *input, const hdr_reading *reading, hdr_error
     source->base.read = read_block;
     source->base.worker_free = worker_free;
     source->base.close = close_source;
-    hdr_status status = hdr_exr_header_read(input, &source->header, err);
+    hdr_status status = hdr_exr_header_read(input, reading, &source->header, err);
     if (status == HDR_OK) status = lay_out(source, reading->memory, err);
     if (status == HDR_OK) status = read_table(source, err);
     if (status != HDR_OK) {

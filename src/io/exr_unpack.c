@@ -94,6 +94,8 @@ static bool unpack_by_library(hdr_exr_unpacker *unpacker, const hdr_exr_chunk *c
         .start_y = chunk->y,
         .width = chunk->width,
         .height = chunk->height,
+        .level_x = (uint8_t)header->picture.level,
+        .level_y = (uint8_t)header->picture.level,
         .type = header->tiled ? EXR_STORAGE_TILED : EXR_STORAGE_SCANLINE,
         .compression = (uint8_t)header->compression,
         .packed_size = chunk->packed_size,

@@ -4,9 +4,9 @@
 
 #include "io/exr_header.h"
 
-/* A chunk's place: a band of lines, or a tile of level 0. */
+/* A chunk's place: a band of lines, or a tile of the level that is read. */
 typedef struct hdr_exr_chunk {
-    int64_t index; /* in the chunk table */
+    int64_t index; /* in the chunk table, among those of its level */
     int x, y;      /* as in its own leader: a tile's number across and down, or (data window's left edge, first line) */
     int width, height;  /* pixels; the last ones of the picture may be smaller */
     size_t packed_size; /* bytes in the file */

@@ -1,4 +1,5 @@
 /* Tells by the first bytes which format an input is in. */
+#include "io/contents.h"
 #include "io/source.h"
 
 #include <stdio.h>
@@ -64,18 +65,58 @@ static hdr_status refuse(hdr_input *input, const unsigned char *bytes, size_t co
                     text);
 }
 
-hdr_source *hdr_source_open(hdr_input *input, const hdr_reading *reading, hdr_error *err) {
-    if (hdr_input_get_planes(input)) return hdr_planes_open(input, err);
-    unsigned char start[LOOKED_AT];
-    int64_t count = hdr_input_read(input, start, sizeof start, 0, err);
-    if (count < 0) return NULL;
+/* Formats other than EXR hold one picture, whole. */
+static hdr_status refuse_choice(hdr_input *input, const hdr_reading *reading, hdr_error *err) {
+    const char *option = reading->part && strcmp(reading->part, "0") != 0 ? "part"
+                         : reading->layer                                 ? "layer"
+                         : reading->channel                               ? "channel"
+                         : !reading->proxy && reading->level > 0          ? "level"
+                                                                          : NULL;
+    if (!option) return HDR_OK;
+    return hdr_fail(err, HDR_BAD_DATA, "%s: --%s is for EXR files, and this is none: it holds one picture only",
+                    hdr_input_name(input), option);
+}
+
+typedef hdr_source *(*opener)(hdr_input *input, const hdr_reading *reading, hdr_error *err);
+
+/* NULL: it begins like no format that is read. */
+static opener opener_of(const unsigned char *start, int64_t count) {
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
         if ((size_t)count >= known[i].length && memcmp(start, known[i].magic, known[i].length) == 0)
-            return known[i].open(input, reading, err);
+            return known[i].open;
+    return NULL;
+}
+
+static hdr_source *open_format(hdr_input *input, const hdr_reading *reading, hdr_error *err) {
+    unsigned char start[LOOKED_AT];
+    if (hdr_input_get_planes(input))
+        return refuse_choice(input, reading, err) == HDR_OK ? hdr_planes_open(input, err) : NULL;
+    int64_t count = hdr_input_read(input, start, sizeof start, 0, err);
+    if (count < 0) return NULL;
+    opener open = opener_of(start, count);
+    if (open && (open == hdr_exr_open || refuse_choice(input, reading, err) == HDR_OK))
+        return open(input, reading, err);
+    if (open) return NULL;
     refuse(input, start, (size_t)count, err);
     return NULL;
 }
 
+hdr_source *hdr_source_open(hdr_input *input, const hdr_reading *reading, hdr_error *err) {
+    hdr_source *source = open_format(input, reading, err);
+    return source && reading->cropped ? hdr_crop_open(source, &reading->crop, err) : source;
+}
+
 void hdr_source_close(hdr_source *source) {
     if (source) source->close(source);
+}
+
+hdr_contents *hdr_source_contents(hdr_input *input, const hdr_reading *reading, hdr_error *err) {
+    unsigned char start[LOOKED_AT];
+    int64_t count = hdr_input_read(input, start, sizeof start, 0, err);
+    if (count < 0) return NULL;
+    if (opener_of(start, count) == hdr_exr_open) return hdr_exr_contents(input, err);
+    hdr_source *source = hdr_source_open(input, &(hdr_reading){.memory = reading->memory}, err);
+    hdr_contents *contents = source ? hdr_contents_of_picture(&source->picture, err) : NULL;
+    hdr_source_close(source);
+    return contents;
 }

@@ -10,7 +10,11 @@ const hdr_verb hdr_verb_info = {
         {.name = "info",
          .summary = "tell what a picture file holds",
          .details =
-             "Prints format, storage, compression, windows, channels and colour of each file, from its header alone.",
+             "Prints format, storage, compression, windows, channels and colour of the picture that would be read of "
+             "each file, from its header alone. --part, --layer, --channel, --level and --crop choose another.\n\n"
+             "Then all that the file holds is listed: its parts with their storage, windows, tiles, levels, views, "
+             "layers, channels and attributes. A file of which nothing can be read is listed too, and what is in the "
+             "way is said, with exit status 65.",
          .examples = examples,
          .options = options,
          .kind = HDR_PROGRAM},

@@ -44,7 +44,11 @@ for verb in $("$hdr" help --list | cut -f 1); do
         # only a value's name stands one space behind the option's
         if printf '%s\n' "$line" | grep -qE -- "--$option [^ ]"; then
             bad_option "$verb" "$option" "$hdr" "$verb" "--$option"
-            if [ "$option" != output ]; then bad_option "$verb" "$option" "$hdr" "$verb" "--$option=@@"; fi
+            case $option in
+            output) ;;
+            part | layer | channel) bad_option "$verb" "$option" "$hdr" "$verb" "--$option=" ;; # any other name may be one
+            *) bad_option "$verb" "$option" "$hdr" "$verb" "--$option=@@" ;;
+            esac
         else
             bad_option "$verb" "$option" "$hdr" "$verb" "--$option" "--$option"
         fi

@@ -349,7 +349,7 @@ static bool display_too_large(const file_bytes *file) {
     hdr_picture picture;
     hdr_input *input = hdr_input_memory(file->data, file->size, "memory", NULL);
     bool large = false;
-    if (input && hdr_input_picture(input, &picture, NULL) == HDR_OK) {
+    if (input && hdr_input_picture(input, NULL, &picture, NULL) == HDR_OK) {
         double width = (double)picture.display.max_x - picture.display.min_x + 1;
         double height = (double)picture.display.max_y - picture.display.min_y + 1;
         large = width * height > PIXELS_MAX;
