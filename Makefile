@@ -29,8 +29,8 @@ ALL_CFLAGS = $(CFLAGS) $(STANDARD) $(EXACT) $(WARNINGS) $(SANITIZE) -pthread -Ii
 OPENEXR_CFLAGS = $(shell pkg-config --cflags OpenEXR 2>/dev/null)
 LIBS := -lOpenEXRCore -lpng -ldeflate -lisal -lz -lm
 PACKAGES := pkg-config libopenexr-dev libpng-dev libdeflate-dev libisal-dev zlib1g-dev
-LINT_PACKAGES := clang clang-format shellcheck cppcheck mandoc g++
-CHECK_PACKAGES := libmpfr-dev mandoc pngcheck
+LINT_PACKAGES := clang clang-format shellcheck cppcheck mandoc
+CHECK_PACKAGES := libmpfr-dev mandoc pngcheck g++
 
 SOURCES := $(filter-out src/verb/skeleton.c,$(wildcard src/*/*.c))
 OBJECTS := $(SOURCES:%.c=$(BUILD)/%.o)
@@ -109,7 +109,7 @@ man: $(PROGRAM)
 
 # ---- Looking for faults without running ----
 
-C_FILES = $(wildcard src/*/*.[ch] cmd/*.[ch] include/*.h tests/*/*.[ch] testdata/*.[ch])
+C_FILES = $(wildcard src/*/*.[ch] cmd/*.[ch] include/*.h tests/*/*.[ch] tests/*/*.cc testdata/*.[ch])
 
 lint-deps: check-deps
 	$(call install-missing,$(LINT_PACKAGES))

@@ -337,57 +337,71 @@ static hdr_status refuse_subsampled(const char *name, const exr_attr_chlist_entr
     snprintf(channel, sizeof channel, "%s", entry->name.str);
     make_plain(channel);
     return hdr_fail(err, HDR_BAD_DATA,
-                    "%s: channel %s is subsampled (%d x %d); channels are read at full resolution only", name, channel,
-                    entry->x_sampling, entry->y_sampling);
+                    "%s: channel %s is subsampled (%d x %d); only the chroma channels RY and BY may be, by 2 x 2", name,
+                    channel, entry->x_sampling, entry->y_sampling);
 }
 
-/* Reads place 0 ... 3 of the picture from a channel of the list. */
-static hdr_status use_channel(const char *name, hdr_exr_header *header, const exr_attr_chlist_t *list, int place,
-                              int index, hdr_error *err) {
-    const exr_attr_chlist_entry_t *entry = &list->entries[index];
+/* Reads place 0 ... 3 of the picture from a channel of the list, which has a sample in each sampling-th column of each
+ * sampling-th row. */
+static hdr_status use_channel(const char *name, hdr_exr_header *header, int place, int sampling, hdr_error *err) {
+    const exr_attr_chlist_entry_t *entry = &header->list->entries[header->index[place]];
     hdr_channel *channel = &header->picture.channels[place];
     if (entry->pixel_type != EXR_PIXEL_HALF && entry->pixel_type != EXR_PIXEL_FLOAT)
         return hdr_fail(err, HDR_BAD_DATA,
                         "%s: channel %s holds whole numbers (uint), not light; half and float are read", name,
                         entry->name.str);
+    if (entry->x_sampling != sampling || entry->y_sampling != sampling) return refuse_subsampled(name, entry, err);
     channel->type = entry->pixel_type == EXR_PIXEL_HALF ? HDR_HALF : HDR_FLOAT;
     header->picture.present[place] = true;
-    for (int i = 0; i < index; i++)
-        header->before[place] += list->entries[i].pixel_type == EXR_PIXEL_HALF ? 2 : 4;
+    for (int i = 0; i < header->index[place]; i++)
+        header->before[place] += header->list->entries[i].pixel_type == EXR_PIXEL_HALF ? 2 : 4;
+    return HDR_OK;
+}
+
+/* How RY and BY are sampled; the reconstruction counts on whole pairs of columns and rows, as all writers make them. */
+static hdr_status read_chroma(const char *name, hdr_exr_header *header, hdr_error *err) {
+    const exr_attr_chlist_entry_t *entry = &header->list->entries[header->index[header->index[1] >= 0 ? 1 : 2]];
+    const hdr_window *data = &header->picture.data;
+    if (entry->x_sampling != entry->y_sampling || entry->x_sampling < 1 || entry->x_sampling > 2)
+        return refuse_subsampled(name, entry, err);
+    header->chroma = entry->x_sampling;
+    if (header->chroma == 2 &&
+        (header->tiled || data->min_x % 2 || data->min_y % 2 || header->width % 2 || header->height % 2))
+        return hdr_fail(err, HDR_BAD_DATA,
+                        "%s: the header is damaged: its data window does not fit subsampled channels", name);
     return HDR_OK;
 }
 
 static hdr_status choose_channels(const char *name, hdr_exr_header *header, hdr_error *err) {
-    static const char *const colours[] = {"R", "G", "B"};
+    static const char *const names[3][3] = {{"Y", "", ""}, {"R", "G", "B"}, {"Y", "RY", "BY"}};
+    enum { GREY, COLOURED, CHROMA } kind = COLOURED;
     hdr_picture *picture = &header->picture;
     const exr_attr_chlist_t *list;
     if (exr_get_channels(header->context, 0, &list) != EXR_ERR_SUCCESS || list->num_channels < 1)
         return hdr_fail(err, HDR_BAD_DATA, "%s: the header is damaged: no channels", name);
-    int index[4] = {find_channel(list, "R"), find_channel(list, "G"), find_channel(list, "B"), find_channel(list, "A")};
-    bool coloured = index[0] >= 0 || index[1] >= 0 || index[2] >= 0;
-    if (!coloured) {
-        index[0] = find_channel(list, "Y");
-        if (find_channel(list, "BY") >= 0 || find_channel(list, "RY") >= 0)
-            return hdr_fail(err, HDR_BAD_DATA,
-                            "%s: luminance-chroma channels (Y, BY, RY) are not read; store it as R, G, B", name);
-        if (index[0] < 0) return refuse_channels(name, list, err);
+    header->list = list;
+    if (find_channel(list, "R") < 0 && find_channel(list, "G") < 0 && find_channel(list, "B") < 0) {
+        if (find_channel(list, "Y") < 0) return refuse_channels(name, list, err);
+        kind = find_channel(list, "RY") >= 0 || find_channel(list, "BY") >= 0 ? CHROMA : GREY;
     }
-    picture->planes = coloured ? 3 : 1;
-    picture->has_alpha = index[3] >= 0;
     hdr_status status = HDR_OK;
-    for (int i = 0; i < 4 && status == HDR_OK; i++) {
-        snprintf(picture->channels[i].name, HDR_CHANNEL_NAME, "%s",
-                 i == 3     ? "A"
-                 : coloured ? colours[i]
-                 : i        ? ""
-                            : "Y");
-        if (index[i] >= 0) status = use_channel(name, header, list, i, index[i], err);
+    for (int i = 0; i < 4; i++) {
+        snprintf(picture->channels[i].name, HDR_CHANNEL_NAME, "%s", i == 3 ? "A" : names[kind][i]);
+        header->index[i] = picture->channels[i].name[0] ? find_channel(list, picture->channels[i].name) : -1;
     }
-    for (int i = 0; i < list->num_channels && status == HDR_OK; i++) {
+    picture->planes = kind == GREY ? 1 : 3;
+    picture->has_alpha = header->index[3] >= 0;
+    if (kind == CHROMA) status = read_chroma(name, header, err);
+    for (int i = 0; i < 4 && status == HDR_OK; i++)
+        if (header->index[i] >= 0)
+            status = use_channel(name, header, i, header->chroma && (i == 1 || i == 2) ? header->chroma : 1, err);
+    for (int i = 0; i < list->num_channels; i++) {
         const exr_attr_chlist_entry_t *entry = &list->entries[i];
         header->pixel_bytes += entry->pixel_type == EXR_PIXEL_HALF ? 2 : 4;
-        if (entry->x_sampling != 1 || entry->y_sampling != 1) status = refuse_subsampled(name, entry, err);
+        header->sampled |= entry->x_sampling != 1 || entry->y_sampling != 1;
     }
+    if (status == HDR_OK && header->sampled && header->tiled)
+        status = hdr_fail(err, HDR_BAD_DATA, "%s: the header is damaged: subsampled channels in tiles", name);
     return status;
 }
 

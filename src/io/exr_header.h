@@ -18,8 +18,13 @@ typedef struct hdr_exr_header {
                               together */
     size_t pixel_bytes;    /* of one pixel over all channels of the file */
     size_t before[4];      /* of one pixel over the channels that stand in front of the picture's channel 0 ... 3 */
-    uint64_t table_offset; /* where the chunk table begins: right behind the header */
-    exr_context_t context; /* the library's view of it, which its decoders want to see */
+    int index[4];          /* of the picture's channels in list; -1: there is none */
+    bool sampled;          /* some channel of the file is subsampled: lines differ in length, `before` is of no use */
+    int chroma;            /* luminance-chroma: the picture's channels 0 ... 2 are Y, RY, BY as they are stored, chroma
+                              with a sample in each chroma-th column of each chroma-th row (1 or 2); else 0 */
+    const exr_attr_chlist_t *list; /* all channels of the file; it belongs to context */
+    uint64_t table_offset;         /* where the chunk table begins: right behind the header */
+    exr_context_t context;         /* the library's view of it, which its decoders want to see */
     struct hdr_exr_text *text;
 } hdr_exr_header;
 

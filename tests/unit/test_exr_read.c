@@ -182,11 +182,15 @@ static void check_file(const char *path) {
 static const struct {
     const char *name, *word;
 } refusals[] = {
-    {"Flowers.exr", "luminance-chroma"}, {"Rec709_YC.exr", "luminance-chroma"},
-    {"XYZ_YC.exr", "luminance-chroma"},  {"beachball_multipart.exr", "multi-part"},
-    {"deep_trunks.exr", "deep"},         {"dwa_night.exr", "DWAB"},
-    {"sample.hdr", "Radiance"},          {"test.pfm", "PFM"},
+    {"beachball_multipart.exr", "multi-part"},
+    {"deep_trunks.exr", "deep"},
+    {"dwa_night.exr", "DWAB"},
+    {"sample.hdr", "Radiance"},
+    {"test.pfm", "PFM"},
 };
+
+/* Luminance-chroma: tests/oracle/test_yc.cc compares it with the C++ library, which alone reconstructs it. */
+static const char *const chroma[] = {"Flowers.exr", "Rec709_YC.exr", "XYZ_YC.exr"};
 
 static void check_refused(const char *path, const char *word) {
     hdr_error error = {.status = HDR_OK};
@@ -206,6 +210,8 @@ static void check_any(const char *path, const char *name) {
             check_refused(path, refusals[i].word);
             return;
         }
+    for (size_t i = 0; i < sizeof chroma / sizeof chroma[0]; i++)
+        if (strcmp(name, chroma[i]) == 0) return;
     check_file(path);
 }
 
