@@ -227,6 +227,8 @@ static void copy_local_settings(hdr_chain *whole, const hdr_chain *chain) {
     whole->common.window = travelled.window;
     whole->common.primaries = travelled.primaries;
     whole->common.adapt = travelled.adapt;
+    whole->common.alpha_text = travelled.alpha_text;
+    whole->common.alpha = travelled.alpha;
 }
 
 hdr_chain *hdr_chain_behind_head(const hdr_chain *chain, hdr_input *input, hdr_error *err) {

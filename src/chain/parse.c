@@ -1,6 +1,7 @@
 /* Words to chain. The same code reads a command line and the lines of a pipe's head. */
 #include "chain/chain.h"
 
+#include <float.h>
 #include <sched.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -38,6 +39,13 @@ static const hdr_option common_options[] = {
      .words = windows,
      .default_value = "display",
      .help = "the window of the picture that is written",
+     .travels = true},
+    {.name = "alpha",
+     .type = HDR_OPTION_TEXT,
+     .offset = COMMON(alpha_text),
+     .metavar = "HOW",
+     .default_value = "keep",
+     .help = "keep alpha; drop it, colour as stored; or over:R,G,B: lay the picture over a linear colour",
      .travels = true},
     {.name = "primaries",
      .type = HDR_OPTION_CHOICE,
@@ -210,23 +218,61 @@ typedef struct words {
     int count, next;
 } words;
 
-/* Looks the option up in the clause's table, then among the common ones. */
-static hdr_status set_option(hdr_chain *chain, hdr_clause *clause, const hdr_option *own, const hdr_option *common,
-                             const char *text, hdr_error *err) {
-    if (own) return hdr_option_set(own, text, clause->params, &clause->given, err);
-    return hdr_option_set(common, text, &chain->common, &chain->common_given, err);
-}
-
-static hdr_status unknown_option(const hdr_clause *clause, const char *word, hdr_error *err) {
-    if (!clause) return hdr_fail(err, HDR_USAGE, "unknown option %.100s", word);
-    return hdr_fail(err, HDR_USAGE, "unknown option %.100s; see hdr %s --help", word, clause->verb->about.name);
-}
-
 /* With the option's own help line. */
 static hdr_status refuse_option(const hdr_option *option, const char *why, hdr_error *err) {
     char line[400];
     hdr_option_describe(option, line, sizeof line);
     return hdr_fail(err, HDR_USAGE, "--%s: %s\n%s", option->name, why, line);
+}
+
+/* R,G,B: three numbers that fit a float. */
+static bool read_colour(const char *text, double colour[3]) {
+    static const hdr_option component = {
+        .name = "component", .type = HDR_OPTION_NUMBER, .min = -(double)FLT_MAX, .max = (double)FLT_MAX};
+    char piece[64];
+    for (int i = 0; i < 3; i++) {
+        size_t length = strcspn(text, ",");
+        hdr_number number = {.word = -1};
+        hdr_options given = {0};
+        if (length >= sizeof piece || (text[length] == ',') != (i < 2)) return false;
+        memcpy(piece, text, length);
+        piece[length] = '\0';
+        hdr_status status = hdr_option_set(&component, piece, &number, &given, NULL);
+        hdr_options_free(&given);
+        if (status) return false;
+        colour[i] = number.value;
+        text += length + (i < 2);
+    }
+    return true;
+}
+
+static hdr_status read_alpha(const hdr_option *option, const char *text, hdr_alpha *alpha, hdr_error *err) {
+    static const char over[] = "over:";
+    *alpha = (hdr_alpha){.how = HDR_ALPHA_KEEP};
+    if (!strcmp(text, "keep")) return HDR_OK;
+    alpha->how = HDR_ALPHA_DROP;
+    if (!strcmp(text, "drop")) return HDR_OK;
+    alpha->how = HDR_ALPHA_OVER;
+    if (!strncmp(text, over, strlen(over)) && read_colour(text + strlen(over), alpha->colour)) return HDR_OK;
+    return refuse_option(option, "its value is keep, drop or over:R,G,B with three numbers", err);
+}
+
+static hdr_status set_common(hdr_chain *chain, const hdr_option *option, const char *text, hdr_error *err) {
+    hdr_status status = hdr_option_set(option, text, &chain->common, &chain->common_given, err);
+    if (!status && option->offset == COMMON(alpha_text)) status = read_alpha(option, text, &chain->common.alpha, err);
+    return status;
+}
+
+/* Looks the option up in the clause's table, then among the common ones. */
+static hdr_status set_option(hdr_chain *chain, hdr_clause *clause, const hdr_option *own, const hdr_option *common,
+                             const char *text, hdr_error *err) {
+    if (own) return hdr_option_set(own, text, clause->params, &clause->given, err);
+    return set_common(chain, common, text, err);
+}
+
+static hdr_status unknown_option(const hdr_clause *clause, const char *word, hdr_error *err) {
+    if (!clause) return hdr_fail(err, HDR_USAGE, "unknown option %.100s", word);
+    return hdr_fail(err, HDR_USAGE, "unknown option %.100s; see hdr %s --help", word, clause->verb->about.name);
 }
 
 /* The value of an option that takes one: what stands behind it, or the next word. */
@@ -407,7 +453,7 @@ hdr_status hdr_chain_add_reading(hdr_chain *chain, const char *const word[], int
             return hdr_fail(err, HDR_USAGE, "%s: one program of the pipe says %s, another %s", word[at], earlier->text,
                             text);
         if (earlier) continue;
-        hdr_status status = hdr_option_set(option, text, &chain->common, &chain->common_given, err);
+        hdr_status status = set_common(chain, option, text, err);
         if (status) return status;
     }
     return HDR_OK;

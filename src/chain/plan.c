@@ -282,6 +282,8 @@ static hdr_status finish_stats(planning *p, void *context, hdr_error *err) {
     if (status) return status;
     const hdr_raw *raw = &p->run->raw;
     stats->picture = p->run->source->picture;
+    stats->picture.present[3] = stats->picture.has_alpha;
+    if (p->run->spread) stats->picture.present[1] = stats->picture.present[2] = true;
     stats->pixels = facts.pixels;
     stats->lit = facts.lit;
     stats->nan = raw->nan;

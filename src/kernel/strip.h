@@ -49,6 +49,9 @@ void hdr_matrix_rows(double *r, double *g, double *b, const double m[9], size_t 
 void hdr_unassociate(double *c, const double *alpha, size_t count);
 void hdr_associate(double *c, const double *alpha, size_t count);
 
+/* C + (1 - alpha) colour: associated C over a colour. Held to float's range. */
+void hdr_lay_over(double *c, const double *alpha, double colour, size_t count);
+
 /* Holds to [-FLT_MAX, FLT_MAX]. */
 void hdr_hold(double *c, size_t count);
 

@@ -1,10 +1,11 @@
 /* Luminance-chroma pictures against OpenEXR's own RgbaInputFile, bit for bit: real ones from the corpus
  * (HDRPIPE_CORPUS), and small ones of all kinds that the library writes here. And files with a subsampled channel that
- * nobody asked for. At every level of the kernels. */
+ * nobody asked for, and luminance laid over a colour. At every level of the kernels. */
 extern "C" {
 #include "base/cpu.h"
 #include "check.h"
 #include "io/source.h"
+#include "kernel/strip.h"
 }
 
 #include <ImfArray.h>
@@ -433,6 +434,43 @@ void check_corpus() {
     }
 }
 
+/* ---- Luminance and alpha over a colour: three planes of one ---- */
+
+std::string run_chain(const std::string &bytes, const std::vector<const char *> &words) {
+    hdr_error error = hdr_error();
+    hdr_chain *chain = hdr_chain_new(&error);
+    hdr_input *input = hdr_input_memory(bytes.data(), bytes.size(), "test", &error);
+    hdr_output *output = hdr_output_memory(&error);
+    if (!error.status) hdr_chain_add(chain, words.data(), (int)words.size(), &error);
+    if (!error.status) hdr_chain_run(chain, input, output, NULL, &error);
+    CHECK(!error.status, "%s: %s", words[0], error.message);
+    size_t size = 0;
+    const void *data = error.status ? NULL : hdr_output_bytes(output, &size);
+    std::string result((const char *)data, size);
+    hdr_output_free(output);
+    hdr_input_free(input);
+    hdr_chain_free(chain);
+    return result;
+}
+
+void check_grey_over_colour() {
+    const double under[3] = {1, 0.5, 0.125};
+    std::string bytes = write_rgba(window_at(-5, 3, 9, 70), WRITE_YA, ZIP_COMPRESSION, 0, false, INCREASING_Y);
+    std::vector<Rgba> before = read_theirs(bytes);
+    std::string over = run_chain(bytes, {"exr", "--type", "half", "--alpha", "over:1,0.5,0.125"});
+    if (over.empty()) return;
+    std::vector<Rgba> after = read_theirs(over);
+    CHECK(before.size() == after.size(), "over a colour: another size");
+    for (size_t i = 0; i < before.size() && i < after.size(); i++) {
+        half found[3] = {after[i].r, after[i].g, after[i].b};
+        for (int c = 0; c < 3; c++) {
+            double wanted = (double)before[i].r + (1 - (double)before[i].a) * under[c];
+            CHECK(found[c].bits() == hdr_half_nearest(wanted), "over a colour: %g instead of %g", (double)found[c],
+                  wanted);
+        }
+    }
+}
+
 struct outcome {
     unsigned long passed, failed, skipped;
 };
@@ -444,6 +482,7 @@ outcome check_level(bool first) {
     check_any_numbers();
     check_full_chroma();
     check_bystanders();
+    check_grey_over_colour();
     if (first) {
         check_refused();
         check_damage();
