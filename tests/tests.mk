@@ -6,8 +6,7 @@ TEST_SOURCES := $(wildcard tests/unit/test_*.c tests/laws/test_*.c tests/oracle/
 TEST_PROGRAMS := $(TEST_SOURCES:%.c=$(BUILD)/%)
 # comparisons with C++ libraries, where there are a compiler and headers for them
 CXX_TEST_SOURCES := $(wildcard tests/oracle/test_*.cc)
-HAVE_CXX := $(shell command -v $(CXX) >/dev/null && pkg-config --exists OpenEXR && \
-    echo '\#include <ImfRgbaFile.h>' | $(CXX) $$(pkg-config --cflags OpenEXR) -fsyntax-only -x c++ - 2>/dev/null && echo yes)
+HAVE_CXX := $(shell $(CXX) $$(pkg-config --cflags OpenEXR) -include ImfRgbaFile.h -fsyntax-only -x c++ /dev/null 2>/dev/null && echo yes)
 CXX_TEST_PROGRAMS = $(if $(HAVE_CXX),$(CXX_TEST_SOURCES:%.cc=$(BUILD)/%))
 TEST_SCRIPTS := $(wildcard tests/cli/test_*.sh tests/laws/test_*.sh)
 

@@ -210,7 +210,8 @@ Rgba scene(int kind, int x, int y) {
         return colours[(x / 3 + y / 2) % 5];
     }
     float scale = kind == 2 ? 0x1p-18f : kind == 3 ? 65000 : 1;
-    return Rgba(soft * scale, random_unit() * scale, (1 - soft) * scale, kind == 1 ? 1.0f : random_unit());
+    float green = random_unit() * scale, alpha = random_unit();
+    return Rgba(soft * scale, green, (1 - soft) * scale, alpha);
 }
 
 std::string write_rgba(const Box2i &window, RgbaChannels channels, Compression compression, int kind, bool xyz,
