@@ -4,6 +4,10 @@
 
 TEST_SOURCES := $(wildcard tests/unit/test_*.c tests/laws/test_*.c tests/oracle/test_*.c)
 TEST_PROGRAMS := $(TEST_SOURCES:%.c=$(BUILD)/%)
+# comparisons with C++ libraries, where there are a compiler and headers for them
+CXX_TEST_SOURCES := $(wildcard tests/oracle/test_*.cc)
+HAVE_CXX := $(shell $(CXX) $$(pkg-config --cflags OpenEXR) -include ImfRgbaFile.h -fsyntax-only -x c++ /dev/null 2>/dev/null && echo yes)
+CXX_TEST_PROGRAMS = $(if $(HAVE_CXX),$(CXX_TEST_SOURCES:%.cc=$(BUILD)/%))
 TEST_SCRIPTS := $(wildcard tests/cli/test_*.sh tests/laws/test_*.sh)
 
 $(BUILD)/tests/%: tests/%.c $(LIBRARY) $(BUILD)/flags
@@ -11,7 +15,13 @@ $(BUILD)/tests/%: tests/%.c $(LIBRARY) $(BUILD)/flags
 	@echo '  CC $@'
 	$(Q)$(CC) $(ALL_CFLAGS) $(OPENEXR_CFLAGS) -Isrc -Itests/unit -MMD -MP $< -o $@ $(LIBRARY) $(LIBS) -lmpfr -lgmp
 
--include $(TEST_PROGRAMS:=.d)
+CXX_FLAGS = $(CFLAGS) -std=c++17 -D_GNU_SOURCE -ffp-contract=off $(WARNINGS) $(SANITIZE) -pthread -Iinclude -Isrc -Itests/unit
+$(BUILD)/tests/%: tests/%.cc $(LIBRARY) $(BUILD)/flags
+	@mkdir -p $(@D)
+	@echo '  CXX $@'
+	$(Q)$(CXX) $(CXX_FLAGS) $(OPENEXR_CFLAGS:-I%=-isystem %) -MMD -MP $< -o $@ $(LIBRARY) $$(pkg-config --libs OpenEXR) $(LIBS)
+
+-include $(TEST_PROGRAMS:=.d) $(CXX_TEST_SOURCES:%.cc=$(BUILD)/%.d)
 
 # the generators of testdata, built so that they stay in order
 RENDER_SOURCES := testdata/render.c testdata/path.c testdata/scenes.c testdata/write_exr.c
@@ -40,6 +50,6 @@ check: check-deps
 	$(MAKE) check-built
 
 .PHONY: check-built
-check-built: all $(TEST_PROGRAMS) $(COMPARE_EXR) $(BUILD)/tests/unit/plugin $(BUILD)/tests/laws/plugin $(BUILD)/testdata/render $(BUILD)/testdata/tiny
-	BUILD=$(BUILD) CC='$(CC)' sh tests/run.sh $(TEST_PROGRAMS) $(TEST_SCRIPTS)
+check-built: all $(TEST_PROGRAMS) $(CXX_TEST_PROGRAMS) $(COMPARE_EXR) $(BUILD)/tests/unit/plugin $(BUILD)/tests/laws/plugin $(BUILD)/testdata/render $(BUILD)/testdata/tiny
+	BUILD=$(BUILD) CC='$(CC)' sh tests/run.sh $(TEST_PROGRAMS) $(CXX_TEST_PROGRAMS) $(TEST_SCRIPTS)
 include tests/oracle/oracle.mk

@@ -12,6 +12,12 @@ typedef struct hdr_clause {
     hdr_options given; /* the words it was made of */
 } hdr_clause;
 
+/* What becomes of the alpha channel. */
+typedef struct hdr_alpha {
+    enum { HDR_ALPHA_KEEP, HDR_ALPHA_DROP, HDR_ALPHA_OVER } how;
+    double colour[3]; /* over: what lies under the picture, linear */
+} hdr_alpha;
+
 /* Values of the common options. */
 typedef struct hdr_common {
     hdr_number threads, memory;
@@ -19,7 +25,9 @@ typedef struct hdr_common {
     bool quiet, verbose, explain, json, help, version, reference, no_skip, strict;
     int window, primaries, adapt;
     const char *part, *layer, *channel, *level,
-        *crop; /* how the file is read, as typed; NULL: not given, level is "0" then */
+        *crop;              /* how the file is read, as typed; NULL: not given, level is "0" then */
+    const char *alpha_text; /* as it was typed */
+    hdr_alpha alpha;        /* and what it says */
 } hdr_common;
 enum { HDR_WINDOW_DISPLAY, HDR_WINDOW_DATA };
 enum { HDR_PRIMARIES_REC709, HDR_PRIMARIES_KEEP };

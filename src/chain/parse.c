@@ -1,6 +1,7 @@
 /* Words to chain. The same code reads a command line and the lines of a pipe's head. */
 #include "chain/chain.h"
 
+#include <float.h>
 #include <sched.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -69,6 +70,13 @@ static const hdr_option common_options[] = {
      .words = windows,
      .default_value = "display",
      .help = "the window of the picture that is written",
+     .travels = true},
+    {.name = "alpha",
+     .type = HDR_OPTION_TEXT,
+     .offset = COMMON(alpha_text),
+     .metavar = "HOW",
+     .default_value = "keep",
+     .help = "keep alpha; drop it, colour as stored; or over:R,G,B: lay the picture over a linear colour",
      .travels = true},
     {.name = "primaries",
      .type = HDR_OPTION_CHOICE,
@@ -248,10 +256,44 @@ static hdr_status refuse_option(const hdr_option *option, const char *why, hdr_e
     return hdr_fail(err, HDR_USAGE, "--%s: %s\n%s", option->name, why, line);
 }
 
+/* R,G,B: three numbers that fit a float. */
+static bool read_colour(const char *text, double colour[3]) {
+    static const hdr_option component = {
+        .name = "component", .type = HDR_OPTION_NUMBER, .min = -(double)FLT_MAX, .max = (double)FLT_MAX};
+    char piece[64];
+    for (int i = 0; i < 3; i++) {
+        size_t length = strcspn(text, ",");
+        hdr_number number = {.word = -1};
+        hdr_options given = {0};
+        if (length >= sizeof piece || (text[length] == ',') != (i < 2)) return false;
+        memcpy(piece, text, length);
+        piece[length] = '\0';
+        hdr_status status = hdr_option_set(&component, piece, &number, &given, NULL);
+        hdr_options_free(&given);
+        if (status) return false;
+        colour[i] = number.value;
+        text += length + (i < 2);
+    }
+    return true;
+}
+
+static hdr_status read_alpha(const hdr_option *option, const char *text, hdr_alpha *alpha, hdr_error *err) {
+    static const char over[] = "over:";
+    *alpha = (hdr_alpha){.how = HDR_ALPHA_KEEP};
+    if (!strcmp(text, "keep")) return HDR_OK;
+    alpha->how = HDR_ALPHA_DROP;
+    if (!strcmp(text, "drop")) return HDR_OK;
+    alpha->how = HDR_ALPHA_OVER;
+    if (!strncmp(text, over, strlen(over)) && read_colour(text + strlen(over), alpha->colour)) return HDR_OK;
+    return refuse_option(option, "its value is keep, drop or over:R,G,B with three numbers", err);
+}
+
 static hdr_status set_common(hdr_chain *chain, const hdr_option *option, const char *text, hdr_error *err) {
     hdr_status status = hdr_option_set(option, text, &chain->common, &chain->common_given, err);
     const char *fault = status ? NULL : hdr_common_fault(&chain->common, option);
-    return fault ? refuse_option(option, fault, err) : status;
+    if (!status && fault) return refuse_option(option, fault, err);
+    if (!status && option->offset == COMMON(alpha_text)) status = read_alpha(option, text, &chain->common.alpha, err);
+    return status;
 }
 
 /* Looks the option up in the clause's table, then among the common ones. */

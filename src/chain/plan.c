@@ -335,6 +335,8 @@ static hdr_status finish_stats(planning *p, void *context, hdr_error *err) {
         stats->picture.chromaticities = hdr_rec709;
         stats->picture.has_chromaticities = stats->picture.has_neutral = false;
     }
+    stats->picture.present[3] = stats->picture.has_alpha;
+    if (p->run->spread) stats->picture.present[1] = stats->picture.present[2] = true;
     stats->pixels = facts.pixels;
     stats->lit = facts.lit;
     stats->nan = raw->nan;

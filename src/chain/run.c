@@ -33,6 +33,7 @@ hdr_status hdr_run_open(hdr_run *run, const hdr_chain *chain, hdr_input *input, 
     if (run->thread_count < 1) run->thread_count = 1;
     run->pool = hdr_pool_new(run->thread_count, err);
     if (!run->pool) return err->status;
+    hdr_run_choose_alpha(run);
     const hdr_picture *picture = &run->source->picture;
     run->raw.grey = picture->planes == 1;
     run->raw.opaque = !picture->has_alpha;
@@ -93,6 +94,7 @@ hdr_status hdr_run_read(hdr_run *run, int thread, int block, hdr_block *out, hdr
         return HDR_OK;
     }
     hdr_status status = run->source->read(run->source, run->threads[thread].worker, block, out, err);
+    if (!run->source->picture.present[3]) out->plane[3] = NULL; /* what is dropped is not looked at */
     if (status || !run->kept) return status;
     unsigned char empty = KEPT_EMPTY;
     if (!atomic_compare_exchange_strong(&run->kept_state[block], &empty, KEPT_FILLING)) return HDR_OK;
@@ -184,8 +186,10 @@ bool hdr_run_load(hdr_run *run, int thread, const hdr_block *block, int row, int
     bool plain_grey = planes == 3 && run->raw.grey && reduce && same_bits(block, 0, 1, row, x, count) &&
                       same_bits(block, 0, 2, row, x, count);
     uint64_t nan = watch->nan, positive = watch->positive_infinity, negative = watch->negative_infinity;
-    for (int p = 0; p < (plain_grey ? 1 : planes); p++)
+    for (int p = 0; p < (plain_grey || run->spread ? 1 : planes); p++)
         known &= load_plane(run, watch, block, p, row, x, count, strip->c[p]);
+    for (int p = 1; run->spread && p < planes; p++)
+        memcpy(strip->c[p], strip->c[0], count * sizeof(double));
     if (plain_grey) {
         watch->nan += 2 * (watch->nan - nan);
         watch->positive_infinity += 2 * (watch->positive_infinity - positive);
@@ -197,6 +201,11 @@ bool hdr_run_load(hdr_run *run, int thread, const hdr_block *block, int row, int
     }
     strip->planes = planes == 3 && run->raw.grey && reduce ? 1 : planes;
     bool translucent = false;
+    if (run->over && block->plane[3]) {
+        known &= load_plane(run, watch, block, 3, row, x, count, strip->alpha);
+        for (int p = 0; p < strip->planes; p++)
+            hdr_lay_over(strip->c[p], strip->alpha, run->over[p], count);
+    }
     if (run->source->picture.has_alpha && (alpha || !run->raw.opaque || !run->raw.certain)) {
         known &= load_plane(run, watch, block, 3, row, x, count, strip->alpha);
         translucent = !all_one(strip->alpha, count);
@@ -284,7 +293,7 @@ static hdr_status report_repairs(const hdr_run *run, hdr_error *err) {
 static bool learn(hdr_run *run, const hdr_sweep *sweep, const hdr_watch *met) {
     hdr_raw *raw = &run->raw;
     hdr_raw before = *raw;
-    raw->grey = run->source->picture.planes == 1 || !met->colour;
+    raw->grey = !run->coloured && (run->source->picture.planes == 1 || !met->colour);
     raw->opaque = !met->translucent;
     return (sweep->grey_matters && raw->grey != before.grey) || (sweep->alpha_matters && raw->opaque != before.opaque);
 }
@@ -350,7 +359,7 @@ static hdr_status guess_job(void *context, int item, int thread, hdr_error *err)
         hdr_watch *watch = &run->threads[thread].watch;
         watch->colour |= run->source->picture.planes == 3 &&
                          !(same_bits(&in, 0, 1, row, x, count) && same_bits(&in, 0, 2, row, x, count));
-        if (in.plane[3]) {
+        if (in.plane[3] && !run->over) {
             load_plane(run, watch, &in, 3, row, x, count, run->threads[thread].strip->alpha);
             watch->translucent |= !all_one(run->threads[thread].strip->alpha, count);
         }
@@ -365,7 +374,7 @@ hdr_status hdr_run_guess(hdr_run *run, bool grey_matters, hdr_error *err) {
         run->threads[t].watch = (hdr_watch){0};
     hdr_status status = hdr_pool_run(run->pool, 1, guess_job, run, err);
     hdr_watch met = merge_watches(run);
-    run->raw.grey = picture->planes == 1 || (grey_matters && !met.colour);
+    run->raw.grey = !run->coloured && (picture->planes == 1 || (grey_matters && !met.colour));
     run->raw.opaque = !met.translucent;
     return status;
 }

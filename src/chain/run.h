@@ -22,6 +22,7 @@ typedef struct hdr_raw {
 /* What one thread has met in the sweep under way. */
 typedef struct hdr_watch {
     bool colour, translucent, infinity;
+    uint64_t hidden; /* pixels that have a colour where alpha is 0, in what is written */
     uint64_t nan, positive_infinity, negative_infinity;
 } hdr_watch;
 
@@ -46,8 +47,11 @@ typedef struct hdr_run {
     hdr_raw raw;
     hdr_step *steps; /* those resolved so far, skipped ones left out */
     int step_count;
-    double weights[3]; /* of luminance where the steps end */
-    int sweeps;        /* made so far */
+    double weights[3];  /* of luminance where the steps end */
+    const double *over; /* the colour under the picture, NULL: none; its alpha, if it has one, is used up in reading */
+    bool coloured;      /* that colour is no grey */
+    bool spread;        /* one plane is stored, and three are made of it */
+    int sweeps;         /* made so far */
     /* Decoded blocks that are kept for the next sweep, in their stored type; kept == NULL: they are decoded again. */
     unsigned char *kept;
     size_t kept_size, kept_row; /* kept_row: bytes of a row of all channels that are read */
@@ -90,6 +94,11 @@ hdr_status hdr_run_facts(hdr_run *run, const hdr_request *request, hdr_facts *fa
 /* Looks at one block in the middle to assume what is likely. Where it does not matter, a picture is not taken for grey.
  */
 hdr_status hdr_run_guess(hdr_run *run, bool grey_matters, hdr_error *err);
+
+/* ---- alpha.c ---- */
+
+/* Makes the source's picture what --alpha says. */
+void hdr_run_choose_alpha(hdr_run *run);
 
 /* ---- write.c ---- */
 

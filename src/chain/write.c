@@ -77,7 +77,7 @@ static bool serves_half_codes(const writing *w) {
     bool half = true;
     for (int p = 0; p < picture->planes; p++)
         half &= picture->present[p] && picture->channels[p].type == HDR_HALF;
-    return half && w->tabulated && w->tail == 0 && w->run->raw.opaque && !w->frame.alpha;
+    return half && w->tabulated && w->tail == 0 && w->run->raw.opaque && !w->frame.alpha && !w->run->over;
 }
 
 /* NaN and -Inf are repaired to 0. +Inf is left to the other path, which knows its replacement. */
@@ -188,6 +188,34 @@ static bool store_half_codes(const writing *w, int thread, const hdr_block *bloc
     return true;
 }
 
+/* Pixels of the strip that a viewer of the file will not show though they have a colour. */
+static uint64_t count_hidden(const hdr_strip *strip) {
+    uint64_t hidden = 0;
+    for (size_t i = 0; i < strip->count; i++) {
+        bool colour = false;
+        for (int p = 0; p < strip->planes; p++)
+            colour |= strip->c[p][i] != 0;
+        hidden += strip->alpha[i] == 0 && colour;
+    }
+    return hidden;
+}
+
+/* A row as it is outside the data window: black, or the colour that the picture is laid over, after all steps. */
+static void make_border(const writing *w, int thread, unsigned char *out) {
+    const hdr_run *run = w->run;
+    hdr_strip *strip = run->threads[thread].strip;
+    memset(out, 0, hdr_frame_row_bytes(&w->frame));
+    for (int x = 0; run->over && x < w->frame.width; x += HDR_STRIP) {
+        strip->count = w->frame.width - x < HDR_STRIP ? (size_t)(w->frame.width - x) : HDR_STRIP;
+        strip->planes = run->raw.grey && w->may_be_grey ? 1 : run->source->picture.planes;
+        for (int p = 0; p < strip->planes; p++)
+            for (size_t i = 0; i < strip->count; i++)
+                strip->c[p][i] = run->over[p];
+        hdr_strip_apply(strip, run->steps, 0, w->tabulated ? w->tail : run->step_count, run->settings.reference);
+        store_samples(w, strip, out, x);
+    }
+}
+
 /* A row of the frame that has pixels. False: the attempt is over. */
 static bool make_row(const writing *w, int thread, const hdr_block *block, int row, unsigned char *out) {
     hdr_run *run = w->run;
@@ -195,13 +223,14 @@ static bool make_row(const writing *w, int thread, const hdr_block *block, int r
     hdr_strip *strip = run->threads[thread].strip;
     int64_t left = data->min_x > window->min_x ? data->min_x : window->min_x;
     int64_t right = data->max_x < window->max_x ? data->max_x : window->max_x;
-    if (left > window->min_x || right < window->max_x) memset(out, 0, hdr_frame_row_bytes(&w->frame));
+    if (left > window->min_x || right < window->max_x) make_border(w, thread, out);
     for (int64_t at = left; at <= right; at += HDR_STRIP) {
         size_t count = right - at + 1 < HDR_STRIP ? (size_t)(right - at + 1) : HDR_STRIP;
         int x = (int)(at - data->min_x), frame_x = (int)(at - window->min_x);
         if (store_half_codes(w, thread, block, row, x, count, out + (size_t)frame_x * (size_t)w->frame.planes))
             continue;
         if (!hdr_run_load(run, thread, block, row, x, count, w->may_be_grey, w->frame.alpha)) return false;
+        if (w->frame.alpha && w->format->format->codes) run->threads[thread].watch.hidden += count_hidden(strip);
         hdr_strip_apply(strip, run->steps, 0, w->tabulated ? w->tail : run->step_count, run->settings.reference);
         if (!w->format->format->codes && !run->raw.opaque)
             for (int p = 0; p < strip->planes; p++)
@@ -223,7 +252,7 @@ static bool make_band(const writing *w, int thread, int first, int end, hdr_erro
     for (int row = first; row < end; row++, out += row_bytes) {
         int64_t data_row = (int64_t)window->min_y + row - data->min_y;
         if (beside || data_row < 0 || data_row >= hdr_window_height(data)) {
-            memset(out, 0, row_bytes);
+            make_border(w, thread, out);
             continue;
         }
         int wanted = hdr_source_block_of(run->source, (int)data_row);
@@ -278,6 +307,18 @@ static bool sees_all(const writing *w) {
     const hdr_window *data = &w->run->source->picture.data, *window = &w->frame.data;
     return window->min_x <= data->min_x && window->max_x >= data->max_x && window->min_y <= data->min_y &&
            window->max_y >= data->max_y;
+}
+
+/* Light without cover, such as a flame's, is what EXR can hold and PNG cannot: said once, with the way out. */
+static void report_hidden(const hdr_run *run) {
+    uint64_t hidden = 0;
+    for (int t = 0; t < run->thread_count; t++)
+        hidden += run->threads[t].watch.hidden;
+    if (hidden)
+        hdr_say(run->listener, HDR_NOTE,
+                "%s: %llu pixel%s a colour but an alpha of 0, which no viewer will show; see --alpha drop and "
+                "--alpha over:R,G,B",
+                run->name, (unsigned long long)hidden, hidden == 1 ? " has" : "s have");
 }
 
 static void explain_tail(const writing *w) {
@@ -336,6 +377,7 @@ hdr_status hdr_run_write(hdr_run *run, const hdr_verb *format, const void *param
                                err);
     if (!status) status = w.sink->end(w.sink, err);
     if (!status) explain_tail(&w);
+    if (!status) report_hidden(run);
     close_sink(&w);
     free(w.first_row);
     free(w.table);

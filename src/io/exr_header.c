@@ -197,14 +197,15 @@ static hdr_status refuse_subsampled(const char *name, const exr_attr_chlist_entr
     snprintf(channel, sizeof channel, "%s", entry->name.str);
     hdr_exr_make_plain(channel);
     return hdr_fail(err, HDR_BAD_DATA,
-                    "%s: channel %s is subsampled (%d x %d); channels are read at full resolution only", name, channel,
-                    entry->x_sampling, entry->y_sampling);
+                    "%s: channel %s is subsampled (%d x %d); only the chroma channels RY and BY may be, by 2 x 2", name,
+                    channel, entry->x_sampling, entry->y_sampling);
 }
 
-/* Reads place 0 ... 3 of the picture from a channel of the list. */
-static hdr_status use_channel(const char *name, hdr_exr_header *header, const exr_attr_chlist_t *list, int place,
-                              int index, bool single, hdr_error *err) {
-    const exr_attr_chlist_entry_t *entry = &list->entries[index];
+/* Reads place 0 ... 3 of the picture from a channel of the list, which has a sample in each sampling-th column of each
+ * sampling-th row. */
+static hdr_status use_channel(const char *name, hdr_exr_header *header, int place, int sampling, bool single,
+                              hdr_error *err) {
+    const exr_attr_chlist_entry_t *entry = &header->list->entries[header->index[place]];
     hdr_channel *channel = &header->picture.channels[place];
     if (entry->pixel_type != EXR_PIXEL_HALF && entry->pixel_type != EXR_PIXEL_FLOAT && !single) {
         char plain[HDR_EXR_LONGEST_NAME + 1];
@@ -214,12 +215,27 @@ static hdr_status use_channel(const char *name, hdr_exr_header *header, const ex
                         "%s: channel %s holds whole numbers (uint), not light; --channel %s reads it by itself", name,
                         plain, plain);
     }
+    if (entry->x_sampling != sampling || entry->y_sampling != sampling) return refuse_subsampled(name, entry, err);
     channel->type = entry->pixel_type == EXR_PIXEL_HALF    ? HDR_HALF
                     : entry->pixel_type == EXR_PIXEL_FLOAT ? HDR_FLOAT
                                                            : HDR_UINT;
     header->picture.present[place] = true;
-    for (int i = 0; i < index; i++)
-        header->before[place] += list->entries[i].pixel_type == EXR_PIXEL_HALF ? 2 : 4;
+    for (int i = 0; i < header->index[place]; i++)
+        header->before[place] += header->list->entries[i].pixel_type == EXR_PIXEL_HALF ? 2 : 4;
+    return HDR_OK;
+}
+
+/* How RY and BY are sampled; the reconstruction counts on whole pairs of columns and rows, as all writers make them. */
+static hdr_status read_chroma(const char *name, hdr_exr_header *header, hdr_error *err) {
+    const exr_attr_chlist_entry_t *entry = &header->list->entries[header->index[header->index[1] >= 0 ? 1 : 2]];
+    const hdr_window *data = &header->picture.data;
+    if (entry->x_sampling != entry->y_sampling || entry->x_sampling < 1 || entry->x_sampling > 2)
+        return refuse_subsampled(name, entry, err);
+    header->chroma = entry->x_sampling;
+    if (header->chroma == 2 &&
+        (header->tiled || data->min_x % 2 || data->min_y % 2 || header->width % 2 || header->height % 2))
+        return hdr_fail(err, HDR_BAD_DATA,
+                        "%s: the header is damaged: its data window does not fit subsampled channels", name);
     return HDR_OK;
 }
 
@@ -230,24 +246,30 @@ static hdr_status use_channels(const char *name, hdr_exr_header *header, const h
     const exr_attr_chlist_t *list;
     if (exr_get_channels(header->context, 0, &list) != EXR_ERR_SUCCESS || list->num_channels < 1)
         return hdr_fail(err, HDR_BAD_DATA, "%s: the header is damaged: no channels", name);
-    if (choice->chroma[0] || choice->chroma[1])
-        return hdr_fail(err, HDR_BAD_DATA,
-                        "%s: luminance-chroma channels (Y, BY, RY) are not read; store it as R, G, B", name);
-    picture->planes = choice->planes;
-    picture->has_alpha = choice->channel[3] != NULL;
+    header->list = list;
+    bool chroma = choice->chroma[0] || choice->chroma[1];
+    const char *chosen[4] = {choice->channel[0], chroma ? choice->chroma[0] : choice->channel[1],
+                             chroma ? choice->chroma[1] : choice->channel[2], choice->channel[3]};
+    picture->planes = chroma ? 3 : choice->planes;
+    picture->has_alpha = chosen[3] != NULL;
     memcpy(picture->layer, choice->layer, sizeof picture->layer);
-    hdr_status status = HDR_OK;
-    for (int i = 0; i < 4 && status == HDR_OK; i++) {
+    for (int i = 0; i < 4; i++) {
         const char *missing = i < picture->planes || i == 3 ? colours[i] : "";
-        snprintf(picture->channels[i].name, HDR_CHANNEL_NAME, "%s", choice->channel[i] ? choice->channel[i] : missing);
-        int index = choice->channel[i] ? find_channel(list, choice->channel[i]) : -1;
-        if (index >= 0) status = use_channel(name, header, list, i, index, choice->single, err);
+        snprintf(picture->channels[i].name, HDR_CHANNEL_NAME, "%s", chosen[i] ? chosen[i] : missing);
+        header->index[i] = chosen[i] ? find_channel(list, chosen[i]) : -1;
     }
-    for (int i = 0; i < list->num_channels && status == HDR_OK; i++) {
+    hdr_status status = chroma ? read_chroma(name, header, err) : HDR_OK;
+    for (int i = 0; i < 4 && status == HDR_OK; i++)
+        if (header->index[i] >= 0)
+            status = use_channel(name, header, i, header->chroma && (i == 1 || i == 2) ? header->chroma : 1,
+                                 choice->single, err);
+    for (int i = 0; i < list->num_channels; i++) {
         const exr_attr_chlist_entry_t *entry = &list->entries[i];
         header->pixel_bytes += entry->pixel_type == EXR_PIXEL_HALF ? 2 : 4;
-        if (entry->x_sampling != 1 || entry->y_sampling != 1) status = refuse_subsampled(name, entry, err);
+        header->sampled |= entry->x_sampling != 1 || entry->y_sampling != 1;
     }
+    if (status == HDR_OK && header->sampled && header->tiled)
+        status = hdr_fail(err, HDR_BAD_DATA, "%s: the header is damaged: subsampled channels in tiles", name);
     return status;
 }
 

@@ -23,6 +23,11 @@ typedef struct hdr_exr_header {
     uint64_t table_offset; /* where the level's entries of the chunk table begin */
     uint64_t tables_end;   /* where the tables of all parts end: chunks stand behind it */
     exr_context_t context; /* the library's view of it, which its decoders want to see */
+    int index[4];          /* of the picture's channels in list; -1: there is none */
+    bool sampled;          /* some channel of the file is subsampled: lines differ in length, `before` is of no use */
+    int chroma;            /* luminance-chroma: the picture's channels 0 ... 2 are Y, RY, BY as they are stored, chroma
+                              with a sample in each chroma-th column of each chroma-th row (1 or 2); else 0 */
+    const exr_attr_chlist_t *list; /* all channels of the file; it belongs to context */
     struct hdr_exr_text *text;
 } hdr_exr_header;
 

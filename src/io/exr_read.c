@@ -4,8 +4,10 @@
  * are read as they come from a pipe, each fault can be told with its rows, and nothing is allocated that the file's
  * bytes do not back. */
 #include "io/exr_header.h"
+#include "io/exr_sampling.h"
 #include "io/exr_unpack.h"
 #include "io/exr_walk.h"
+#include "io/exr_yc.h"
 #include "io/source.h"
 
 #include <stdlib.h>
@@ -26,7 +28,7 @@ struct exr_source {
     uint64_t *table; /* where each chunk begins */
     int64_t chunks;  /* of the level */
     int64_t tiles_across;
-    size_t row_bytes;      /* of a row over all channels of the file */
+    size_t row_bytes;      /* of a row over all channels of the file; where some are subsampled, at most */
     bool in_place[4];      /* a plane's rows are aligned where a chunk of lines has them */
     size_t plane_bytes[4]; /* of one row */
 };
@@ -75,7 +77,8 @@ static hdr_exr_chunk chunk_at(const struct exr_source *source, int64_t index) {
         chunk.y = (int)(header->picture.data.min_y + first_row);
         chunk.width = (int)header->width;
     }
-    chunk.size = header->pixel_bytes * (size_t)chunk.width * (size_t)chunk.height;
+    chunk.size = header->sampled ? hdr_exr_lines_bytes(header, chunk.y, chunk.height)
+                                 : header->pixel_bytes * (size_t)chunk.width * (size_t)chunk.height;
     return chunk;
 }
 
@@ -184,7 +187,9 @@ static bool read_stored_lines(struct exr_source *source, struct exr_worker *work
     size_t pitch = leader_size(&source->header) + source->row_bytes, size = pitch * (size_t)block->rows;
     const uint64_t *table = source->table + block->first_row;
     int64_t file_size = hdr_input_size(source->input);
-    if (source->header.compression != EXR_COMPRESSION_NONE || table[0] < source->header.tables_end) return false;
+    if (source->header.compression != EXR_COMPRESSION_NONE || source->header.sampled ||
+        table[0] < source->header.tables_end)
+        return false;
     for (int i = 1; i < block->rows; i++)
         if (table[i] - table[i - 1] != pitch) return false;
     if (file_size >= 0 && (table[0] > (uint64_t)file_size || size > (uint64_t)file_size - table[0])) return false;
@@ -234,7 +239,32 @@ static hdr_status set_planes_of_lines(struct exr_source *source, struct exr_work
     return HDR_OK;
 }
 
+/* The same where lines differ in length. */
+static hdr_status read_sampled_lines(struct exr_source *source, struct exr_worker *worker, hdr_block *block,
+                                     hdr_error *err) {
+    const hdr_exr_header *header = &source->header;
+    size_t place = 0;
+    for (int row = 0; row < block->rows; row += header->chunk_rows) {
+        hdr_exr_chunk chunk = chunk_at(source, (block->first_row + row) / header->chunk_rows);
+        hdr_status status = decode_chunk(source, worker, &chunk, source->row_bytes * (size_t)block->rows, place, err);
+        if (status != HDR_OK) return status;
+        place += chunk.size;
+    }
+    if (!buffer_room(&worker->planes, plane_place(source, 4, block->rows)))
+        return hdr_fail(err, HDR_INTERNAL, "out of memory");
+    unsigned char *to[4] = {NULL};
+    for (int p = 0; p < 4; p++) {
+        if (!header->picture.present[p]) continue;
+        block->plane[p] = to[p] = worker->planes.bytes + plane_place(source, p, block->rows);
+        block->stride[p] = source->plane_bytes[p];
+    }
+    hdr_exr_gather_lines(header, worker->chunk.bytes, (int64_t)header->picture.data.min_y + block->first_row,
+                         block->rows, to, source->plane_bytes);
+    return HDR_OK;
+}
+
 static hdr_status read_lines(struct exr_source *source, struct exr_worker *worker, hdr_block *block, hdr_error *err) {
+    if (source->header.sampled) return read_sampled_lines(source, worker, block, err);
     size_t leader = leader_size(&source->header);
     if (read_stored_lines(source, worker, block))
         return set_planes_of_lines(source, worker, worker->chunk.bytes + leader, leader + source->row_bytes, block,
@@ -378,5 +408,6 @@ hdr_source *hdr_exr_open(hdr_input *input, const hdr_reading *reading, hdr_error
         return NULL;
     }
     source->base.picture = source->header.picture;
+    if (source->header.chroma) return hdr_yc_open(&source->base, source->header.chroma, input, reading, err);
     return &source->base;
 }

@@ -8,6 +8,7 @@
 #include "io/exr_unpack.h"
 
 #include "io/exr_dwa.h"
+#include "io/exr_sampling.h"
 #include "kernel/predictor.h"
 
 #include <libdeflate.h>
@@ -110,6 +111,12 @@ static bool unpack_by_library(hdr_exr_unpacker *unpacker, const hdr_exr_chunk *c
         return false;
     }
     if (!pipeline->decompress_fn) return false;
+    /* The library takes it that a chunk's height is a multiple of the sampling. */
+    for (int c = 0; header->sampled && c < pipeline->channel_count; c++) {
+        exr_coding_channel_info_t *channel = &pipeline->channels[c];
+        channel->width = (int32_t)hdr_exr_samples(channel->x_samples, chunk->x, chunk->width);
+        channel->height = (int32_t)hdr_exr_samples(channel->y_samples, chunk->y, chunk->height);
+    }
     /* It only reads what is packed. An allocated size of 0 tells the pipeline that these are not its own to free. */
     pipeline->packed_buffer = (void *)(uintptr_t)packed;
     pipeline->unpacked_buffer = out;

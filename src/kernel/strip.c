@@ -202,6 +202,13 @@ HDR_INLINE void hdr_associate_body(double *c, const double *alpha, size_t count)
 }
 HDR_VERSIONS(hdr_associate, (double *c, const double *alpha, size_t count), (c, alpha, count))
 
+/* Porter and Duff 1984, "over", onto something that covers all. */
+HDR_INLINE void hdr_lay_over_body(double *c, const double *alpha, double colour, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        c[i] = held(c[i] + (1 - alpha[i]) * colour);
+}
+HDR_VERSIONS(hdr_lay_over, (double *c, const double *alpha, double colour, size_t count), (c, alpha, colour, count))
+
 HDR_INLINE void hdr_hold_body(double *c, size_t count) {
     for (size_t i = 0; i < count; i++)
         c[i] = held(c[i]);

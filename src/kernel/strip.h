@@ -50,6 +50,9 @@ void hdr_matrix_rows(double *r, double *g, double *b, const double m[9], size_t 
 void hdr_unassociate(double *c, const double *alpha, size_t count);
 void hdr_associate(double *c, const double *alpha, size_t count);
 
+/* C + (1 - alpha) colour: associated C over a colour. Held to float's range. */
+void hdr_lay_over(double *c, const double *alpha, double colour, size_t count);
+
 /* What lies between verbs is held: to [-FLT_MAX, FLT_MAX], and what is smaller than 1e-200, 150 orders of magnitude
  * below the smallest float, is 0, so that the reciprocal of what is not 0 stays far within double's range. */
 #define HDR_LEAST 1e-200

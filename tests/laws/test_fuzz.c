@@ -234,7 +234,12 @@ static const hdr_option *any_option(const hdr_option *table, uint64_t *random) {
 }
 
 static void add_option(command *line, const hdr_option *option, uint64_t *random) {
+    static const char *const alphas[] = {"keep", "drop", "over:1,0.5,0", "over:-1,1e30,2", "over:1,2", "over"};
     char name[64], value[40];
+    if (!strcmp(option->name, "alpha")) {
+        add_word(line, "--alpha");
+        add_word(line, alphas[below(random, sizeof alphas / sizeof *alphas)]);
+    }
     if (option->type == HDR_OPTION_TEXT) return; /* no file may be written */
     snprintf(name, sizeof name, "--%.40s", option->name);
     if (option->letter && one_in(random, 2)) snprintf(name, sizeof name, "-%c", option->letter);

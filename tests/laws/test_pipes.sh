@@ -104,7 +104,8 @@ head_of 'hdrpipe 1' "$comment" 'then expose --ev +0.5' 'then log --per-channel' 
 pipe_holds "one program with three clauses" "$tiny/ramp.exr"
 
 # what travels, and what stays
-for option in --reference --strict --no-skip "--window data" "--primaries keep" "--adapt none"; do
+for option in --reference --strict --no-skip "--window data" "--primaries keep" "--adapt none" "--alpha drop" \
+    "--alpha over:0,0.5,+1e-2"; do
     # shellcheck disable=SC2086 # two words
     "$hdr" exp $option "$tiny/ramp.exr" | "$hdr" gamma | cat >"$work/piped"
     head_of 'hdrpipe 1' "$comment" "read $option" 'then exp' 'then gamma'
@@ -139,7 +140,8 @@ check "a skip in a pipe" stderr_has '(expose) skipped'
 same "--no-skip and skipped" "$work/x.png" "$work/y.png"
 foreign=${HDRPIPE_CORPUS:-../shared/corpus}/storage/XYZ.exr
 if [ -r "$foreign" ]; then
-    for option in "--primaries keep" "--adapt none"; do
+    for option in "--primaries keep" "--adapt none" "--alpha drop" \
+    "--alpha over:0,0.5,+1e-2"; do
         # shellcheck disable=SC2086
         "$hdr" exp $option "$foreign" | "$hdr" png >"$work/x.png"
         # shellcheck disable=SC2086

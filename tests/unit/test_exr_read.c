@@ -182,11 +182,11 @@ static void check_file(const char *path) {
 static const struct {
     const char *name, *word;
 } refusals[] = {
-    {"Flowers.exr", "luminance-chroma"},
-    {"Rec709_YC.exr", "luminance-chroma"},
-    {"XYZ_YC.exr", "luminance-chroma"},
     {"deep_trunks.exr", "deep"},
 };
+
+/* Luminance-chroma: tests/oracle/test_yc.cc compares it with the C++ library, which alone reconstructs it. */
+static const char *const chroma[] = {"Flowers.exr", "Rec709_YC.exr", "XYZ_YC.exr"};
 
 static void check_refused(const char *path, const char *word) {
     hdr_error error = {.status = HDR_OK};
@@ -208,6 +208,8 @@ static void check_any(const char *path, const char *name) {
             check_refused(path, refusals[i].word);
             return;
         }
+    for (size_t i = 0; i < sizeof chroma / sizeof chroma[0]; i++)
+        if (strcmp(name, chroma[i]) == 0) return;
     size_t length = strlen(name);
     if (length > 4 && strcmp(name + length - 4, ".exr") == 0) check_file(path); /* others are for other tests */
 }

@@ -235,12 +235,20 @@ static void plain_associate(double *a, double *b, double *c) {
     if (*b > 0) *a = *a * *b;
     *a = plain_hold(*a);
 }
+static void lay_over(double *a, double *b, double *c, size_t count) {
+    (void)c;
+    hdr_lay_over(a, b, 0.3, count);
+}
+static void plain_lay_over(double *a, double *b, double *c) {
+    (void)c;
+    *a = plain_hold(*a + (1 - *b) * 0.3);
+}
 
 static const colour_case colour_cases[] = {
     {"luminance", luminance, plain_luminance}, {"luminance ratio", ratio, plain_ratio},
     {"multiply", multiply, plain_multiply},    {"saturate", saturate, plain_saturate},
     {"matrix", matrix_rows, plain_matrix},     {"unassociate", unassociate, plain_unassociate},
-    {"associate", associate, plain_associate},
+    {"associate", associate, plain_associate}, {"lay over", lay_over, plain_lay_over},
 };
 
 static void test_colour_case(const colour_case *test, size_t count, size_t offset) {

@@ -1,0 +1,42 @@
+/* --alpha: what becomes of the alpha channel, and what shows through where it is below 1. */
+#include "chain/run.h"
+
+#include <string.h>
+
+/* Whether what is written has pixels outside the data window. */
+static bool has_border(const hdr_run *run) {
+    const hdr_window *data = &run->source->picture.data, *display = &run->source->picture.display;
+    return run->chain->common.window == HDR_WINDOW_DISPLAY &&
+           (display->min_x < data->min_x || display->max_x > data->max_x || display->min_y < data->min_y ||
+            display->max_y > data->max_y);
+}
+
+/* A picture of luminance alone becomes one of R, G, B, which are equal until the colour is laid under it. */
+static void spread_luminance(hdr_run *run) {
+    static const char *const names[3] = {"R", "G", "B"};
+    hdr_picture *picture = &run->source->picture;
+    run->spread = true;
+    picture->planes = 3;
+    for (int c = 0; c < 3; c++) {
+        picture->channels[c].type = picture->channels[0].type;
+        memcpy(picture->channels[c].name, names[c], sizeof "R");
+    }
+}
+
+void hdr_run_choose_alpha(hdr_run *run) {
+    const hdr_alpha *alpha = &run->chain->common.alpha;
+    hdr_picture *picture = &run->source->picture;
+    if (alpha->how == HDR_ALPHA_KEEP || (!picture->has_alpha && !(alpha->how == HDR_ALPHA_OVER && has_border(run))))
+        return;
+    picture->has_alpha = false;
+    if (alpha->how == HDR_ALPHA_DROP) {
+        picture->present[3] = false;
+        hdr_say(run->listener, HDR_EXPLAIN, "alpha is dropped: colour as it is stored");
+        return;
+    }
+    run->over = alpha->colour;
+    run->coloured = alpha->colour[0] != alpha->colour[1] || alpha->colour[0] != alpha->colour[2];
+    if (run->coloured && picture->planes == 1) spread_luminance(run);
+    hdr_say(run->listener, HDR_EXPLAIN, "the picture is laid over %g,%g,%g", alpha->colour[0], alpha->colour[1],
+            alpha->colour[2]);
+}
