@@ -100,13 +100,6 @@ static void test_real_to_half(void) {
     }
 }
 
-static double plain_hold(double value) {
-    if (value > (double)FLT_MAX) return (double)FLT_MAX;
-    if (value < -(double)FLT_MAX) return -(double)FLT_MAX;
-    if (fabs(value) < 1e-200) return value * 0;
-    return value;
-}
-
 static void test_floats(void) {
     static double real[LONGEST + OFFSETS];
     static float values[LONGEST + OFFSETS], expected[LONGEST];
