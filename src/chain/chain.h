@@ -38,8 +38,10 @@ struct hdr_chain {
     int count;
     hdr_common common;
     hdr_options common_given;
-    hdr_settings settings; /* what the public header shows of `common` */
-    const char **files;    /* operands, NULL-ended */
+    hdr_settings settings;   /* what the public header shows of `common` */
+    uint64_t machine_memory; /* what the automatic settings are, asked of the system once; 0: not yet */
+    int machine_cores;
+    const char **files; /* operands, NULL-ended */
     int file_count;
 };
 

@@ -207,18 +207,20 @@ static hdr_status check_environment(hdr_error *err) {
 }
 
 /* -j, else HDR_THREADS, else the cores. */
-static int thread_count(const hdr_common *common) {
-    hdr_number threads = common->threads;
-    if (threads.word >= 0 && environment_threads(&threads, NULL)) return available_cores();
-    return threads.word < 0 ? (int)threads.value : available_cores();
+static int thread_count(const hdr_chain *chain) {
+    hdr_number threads = chain->common.threads;
+    if (threads.word >= 0 && environment_threads(&threads, NULL)) return chain->machine_cores;
+    return threads.word < 0 ? (int)threads.value : chain->machine_cores;
 }
 
 const hdr_settings *hdr_chain_settings(const hdr_chain *chain) {
     const hdr_common *common = &chain->common;
-    hdr_settings *settings =
-        (hdr_settings *)&chain->settings; /* a view of common, brought up to date when it is asked for */
+    hdr_chain *own = (hdr_chain *)chain; /* settings are a view of common, brought up to date when they are asked for */
+    hdr_settings *settings = &own->settings;
+    if (!chain->machine_cores) own->machine_cores = available_cores();
+    if (!chain->machine_memory) own->machine_memory = hdr_memory_default();
     *settings =
-        (hdr_settings){.threads = thread_count(common),
+        (hdr_settings){.threads = thread_count(chain),
                        .output = common->output,
                        .quiet = common->quiet,
                        .verbose = common->verbose,
@@ -229,7 +231,7 @@ const hdr_settings *hdr_chain_settings(const hdr_chain *chain) {
                        .reference = common->reference,
                        .no_skip = common->no_skip,
                        .strict = common->strict,
-                       .memory = common->memory.word < 0 ? (uint64_t)common->memory.value : hdr_memory_default()};
+                       .memory = common->memory.word < 0 ? (uint64_t)common->memory.value : chain->machine_memory};
     return settings;
 }
 
@@ -509,6 +511,8 @@ hdr_status hdr_chain_add_reading(hdr_chain *chain, const char *const word[], int
 }
 
 hdr_status hdr_chain_add_local(hdr_chain *whole, const hdr_chain *chain, hdr_error *err) {
+    whole->machine_cores = chain->machine_cores;
+    whole->machine_memory = chain->machine_memory;
     for (int i = 0; i < chain->common_given.count; i++) {
         const hdr_given *given = &chain->common_given.given[i];
         if (given->option->travels) continue;

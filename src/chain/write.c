@@ -171,8 +171,8 @@ static bool store_half_codes(const writing *w, int thread, const hdr_block *bloc
     if (!w->half_codes) return false;
     const uint16_t *half[4] = {NULL};
     for (int c = 0; c < 4; c++) {
-        if (!block->plane[c]) continue;
-        if (block->type[c] != HDR_HALF) return false; /* alpha may be float */
+        if (!block->plane[c] || (c == 3 && !picture->has_alpha)) continue; /* alpha may have been dropped */
+        if (block->type[c] != HDR_HALF) return false;                      /* or be float */
         half[c] = (const uint16_t *)(const void *)(block->plane[c] + (size_t)row * block->stride[c]) + x;
     }
     for (int p = 0; p < picture->planes; p++)
