@@ -72,6 +72,9 @@ hdr_reading hdr_chain_reading(const hdr_chain *chain);
  * that is to be run: the head's clauses, then this chain's, with this chain's settings. HDR_BAD_DATA: no valid head. */
 hdr_chain *hdr_chain_behind_head(const hdr_chain *chain, hdr_input *input, hdr_error *err);
 
+/* Appends the chain in one line, as a command line has it, in the head's words: what makes the picture, and not how. */
+hdr_status hdr_chain_print(const hdr_chain *chain, hdr_bytes *out, hdr_error *err);
+
 /* ---- Messages ---- */
 
 void hdr_say(const hdr_listener *listener, hdr_message kind, const char *format, ...) HDR_PRINTF(3, 4);

@@ -14,24 +14,41 @@
 
 /* ---- Writing ---- */
 
-/* The chain's own lines: reading options that travel, then the clauses. */
-static hdr_status print_lines(const hdr_chain *chain, hdr_bytes *out, hdr_error *err) {
-    hdr_options reading = {0};
-    hdr_given travelling[64];
-    for (int i = 0; i < chain->common_given.count; i++)
-        if (chain->common_given.given[i].option->travels && reading.count < 64)
-            travelling[reading.count++] = chain->common_given.given[i];
-    reading.given = travelling;
+/* Appends the reading options that travel. Flags among them say how the work is done, not what comes out. */
+static hdr_status print_reading(const hdr_chain *chain, bool flags, hdr_bytes *out, hdr_error *err) {
     hdr_status status = HDR_OK;
-    if (reading.count) {
-        status = hdr_bytes_printf(out, err, "read");
-        if (!status) status = hdr_options_print(&reading, out, err);
+    for (int i = 0; i < chain->common_given.count && !status; i++) {
+        hdr_given *given = &chain->common_given.given[i];
+        if (given->option->travels && (flags || given->option->type != HDR_OPTION_FLAG))
+            status = hdr_options_print(&(hdr_options){.given = given, .count = 1}, out, err);
+    }
+    return status;
+}
+
+static hdr_status print_clause(const hdr_clause *clause, const char *before, hdr_bytes *out, hdr_error *err) {
+    hdr_status status = hdr_bytes_printf(out, err, "%s%s", before, clause->verb->about.name);
+    return status ? status : hdr_options_print(&clause->given, out, err);
+}
+
+/* The chain's own lines: reading options, then the clauses. */
+static hdr_status print_lines(const hdr_chain *chain, hdr_bytes *out, hdr_error *err) {
+    hdr_bytes reading = {0};
+    hdr_status status = print_reading(chain, true, &reading, err);
+    if (!status && reading.size)
+        status = hdr_bytes_printf(out, err, "read%.*s\n", (int)reading.size, (const char *)reading.data);
+    free(reading.data);
+    for (int i = 0; !status && i < chain->count; i++) {
+        status = print_clause(&chain->clauses[i], "then ", out, err);
         if (!status) status = hdr_bytes_printf(out, err, "\n");
     }
+    return status;
+}
+
+hdr_status hdr_chain_print(const hdr_chain *chain, hdr_bytes *out, hdr_error *err) {
+    hdr_status status = HDR_OK;
     for (int i = 0; !status && i < chain->count; i++) {
-        status = hdr_bytes_printf(out, err, "then %s", chain->clauses[i].verb->about.name);
-        if (!status) status = hdr_options_print(&chain->clauses[i].given, out, err);
-        if (!status) status = hdr_bytes_printf(out, err, "\n");
+        status = print_clause(&chain->clauses[i], i ? " then " : "", out, err);
+        if (!status && i == 0) status = print_reading(chain, false, out, err);
     }
     return status;
 }

@@ -25,6 +25,7 @@ static hdr_status open_threads(hdr_run *run, hdr_error *err) {
 hdr_status hdr_run_open(hdr_run *run, const hdr_chain *chain, hdr_input *input, const hdr_listener *listener,
                         hdr_error *err) {
     *run = (hdr_run){.chain = chain, .settings = *hdr_chain_settings(chain), .listener = listener};
+    run->input = input;
     run->name = hdr_input_name(input);
     hdr_reading reading = hdr_chain_reading(chain);
     run->source = hdr_source_open(input, &reading, err);

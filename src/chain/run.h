@@ -39,6 +39,7 @@ typedef struct hdr_run {
     const hdr_chain *chain;
     hdr_settings settings;
     const hdr_listener *listener;
+    hdr_input *input;
     const char *name; /* the input's */
     hdr_source *source;
     hdr_pool *pool;

@@ -12,8 +12,9 @@ typedef struct writing {
     const hdr_verb *format;
     const void *params;
     hdr_output *output;
-    hdr_frame frame;  /* planes and alpha are set by each attempt */
-    bool may_be_grey; /* the format stores one plane where the picture is grey */
+    hdr_frame frame;              /* planes and alpha are set by each attempt */
+    bool may_be_grey;             /* the format stores one plane where the picture is grey */
+    hdr_bytes attributes, record; /* what the frame points to */
     hdr_sink *sink;
     int *first_row; /* bands: band i is the frame's rows first_row[i] ... first_row[i+1]-1 */
     int bands;
@@ -90,6 +91,30 @@ static void fill_half_codes(writing *w) {
         }
         hdr_code_lookup(w->table, values, w->half_codes + start, 1, HDR_STRIP);
     }
+}
+
+/* What else than pixels the file is to hold. */
+static hdr_status add_attributes(writing *w, bool converted, hdr_error *err) {
+    const hdr_run *run = w->run;
+    const hdr_chain *chain = run->chain;
+    const hdr_format *format = w->format->format;
+    if (!format->attributes) return HDR_OK;
+    bool recorded = format->records && format->records(w->params);
+    hdr_exr_fate fate = {.altered = chain->count > 0 && chain->clauses[0].verb->about.kind == HDR_FILTER,
+                         .converted = converted,
+                         .cropped = chain->common.crop != NULL,
+                         .recorded = recorded};
+    int left_out = 0;
+    hdr_status status = hdr_source_attributes(run->input, &run->source->picture, fate, &w->attributes, &left_out, err);
+    if (left_out)
+        hdr_say(run->listener, HDR_NOTE, "%s: %d attribute%s of its header %s damaged or too large, and left out",
+                run->name, left_out, left_out == 1 ? "" : "s", left_out == 1 ? "is" : "are");
+    w->frame.attributes = &w->attributes;
+    if (status || !recorded) return status;
+    status = hdr_chain_print(chain, &w->record, err);
+    if (!status) status = hdr_bytes_add(&w->record, "", 1, err);
+    w->frame.record = (const char *)w->record.data;
+    return status;
 }
 
 static hdr_status begin_attempt(void *context, int *items, hdr_error *err) {
@@ -353,6 +378,7 @@ hdr_status hdr_run_write(hdr_run *run, const hdr_verb *format, const void *param
     w.may_be_grey = format->format->codes && !converted;
     w.tail = hdr_steps_tail(run->steps, run->step_count);
     hdr_status status = choose_frame(&w, err);
+    if (!status) status = add_attributes(&w, converted, err);
     bool table = w.frame.sample == HDR_SAMPLE_U8 && !run->settings.reference && !run->settings.no_skip;
     if (!status && table) {
         w.table = hdr_alloc(1, sizeof *w.table);
@@ -382,5 +408,7 @@ hdr_status hdr_run_write(hdr_run *run, const hdr_verb *format, const void *param
     free(w.first_row);
     free(w.table);
     free(w.half_codes);
+    free(w.attributes.data);
+    free(w.record.data);
     return status;
 }

@@ -4,64 +4,29 @@
 
 #include "io/exr_choose.h"
 #include "io/exr_levels.h"
+#include "io/exr_text.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* The header that the library gets to see, and what it has to say about it. */
-struct hdr_exr_text {
+/* The header that the library gets to see, and what it was made of. */
+struct hdr_exr_headers {
     hdr_exr_file file; /* all headers */
-    hdr_bytes bytes;   /* of the part; belongs to the file */
-    char complaint[256];
-    bool listening; /* while the header is parsed, by one thread; later complaints come from many and are not needed */
+    hdr_exr_text text; /* the part's; its bytes belong to the file */
 };
 
 /* ---- The library's parser ---- */
 
-static int64_t read_text(exr_const_context_t context, void *user_data, void *buffer, uint64_t size, uint64_t offset,
-                         exr_stream_error_func_ptr_t complain) {
-    (void)context;
-    (void)complain;
-    const hdr_bytes *bytes = &((struct hdr_exr_text *)user_data)->bytes;
-    if (offset >= bytes->size) return 0;
-    if (size > bytes->size - offset) size = bytes->size - offset;
-    memcpy(buffer, bytes->data + offset, (size_t)size);
-    return (int64_t)size;
-}
-
-static int64_t text_size(exr_const_context_t context, void *user_data) {
-    (void)context;
-    return (int64_t)((struct hdr_exr_text *)user_data)->bytes.size;
-}
-
-/* The library would print; the first complaint is the one that names the cause. */
-static void hear(exr_const_context_t context, exr_result_t code, const char *message) {
-    void *user_data = NULL;
-    (void)code;
-    if (!context || exr_get_user_data(context, &user_data) != EXR_ERR_SUCCESS || !user_data) return;
-    struct hdr_exr_text *text = user_data;
-    if (text->listening && text->complaint[0] == '\0') snprintf(text->complaint, sizeof text->complaint, "%s", message);
-}
-
 static hdr_status parse(hdr_input *input, hdr_exr_header *header, hdr_error *err) {
-    exr_context_initializer_t initializer = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    initializer.user_data = header->text;
-    initializer.read_fn = read_text;
-    initializer.size_fn = text_size;
-    initializer.error_handler_fn = hear;
-    initializer.flags = EXR_CONTEXT_FLAG_STRICT_HEADER | EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
-    header->text->listening = true;
-    exr_result_t result = exr_start_read(&header->context, "header", &initializer);
-    header->text->listening = false;
+    hdr_exr_text *text = &header->headers->text;
+    exr_result_t result = hdr_exr_text_open(text, &header->context);
     if (result == EXR_ERR_SUCCESS) return HDR_OK;
-    header->context = NULL;
     if (result == EXR_ERR_OUT_OF_MEMORY) return hdr_fail(err, HDR_INTERNAL, "out of memory");
-    char *complaint = header->text->complaint;
-    hdr_exr_make_plain(complaint);
+    hdr_exr_make_plain(text->complaint);
     return hdr_fail(err, HDR_BAD_DATA, "%s: the header is damaged: %s", hdr_input_name(input),
-                    complaint[0] ? complaint : exr_get_error_code_as_string(result));
+                    text->complaint[0] ? text->complaint : exr_get_error_code_as_string(result));
 }
 
 /* ---- What the header says ---- */
@@ -277,7 +242,7 @@ static hdr_status use_channels(const char *name, hdr_exr_header *header, const h
 
 /* Where the part's chunk table begins, and where all tables end. */
 static hdr_status find_tables(const char *name, hdr_exr_header *header, int number, hdr_error *err) {
-    const hdr_exr_file *file = &header->text->file;
+    const hdr_exr_file *file = &header->headers->file;
     const hdr_exr_part *part = &file->parts[number];
     uint64_t entries = 0, before = 0;
     for (int i = 0; file->multi_part && i < file->count; i++) {
@@ -297,14 +262,14 @@ hdr_status hdr_exr_header_read(hdr_input *input, const hdr_reading *reading, hdr
     const char *name = hdr_input_name(input);
     hdr_exr_choice choice = {.part = 0};
     *header = (hdr_exr_header){.tiled = false};
-    header->text = hdr_alloc(1, sizeof *header->text);
-    if (!header->text) return hdr_fail(err, HDR_INTERNAL, "out of memory");
-    hdr_exr_file *file = &header->text->file;
+    header->headers = hdr_alloc(1, sizeof *header->headers);
+    if (!header->headers) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+    hdr_exr_file *file = &header->headers->file;
     hdr_status status = hdr_exr_walk(input, file, NULL, err);
     if (status == HDR_OK) status = hdr_exr_choose(file, name, reading, &choice, err);
     if (status == HDR_OK) {
         const hdr_exr_part *part = &file->parts[choice.part];
-        header->text->bytes = part->text;
+        header->headers->text.bytes = part->text;
         header->tiled = part->tiled;
         header->multi_part = file->multi_part;
         header->picture.part = choice.part;
@@ -324,8 +289,8 @@ hdr_status hdr_exr_header_read(hdr_input *input, const hdr_reading *reading, hdr
 
 void hdr_exr_header_free(hdr_exr_header *header) {
     if (header->context) exr_finish(&header->context);
-    if (header->text) hdr_exr_file_free(&header->text->file);
-    free(header->text);
+    if (header->headers) hdr_exr_file_free(&header->headers->file);
+    free(header->headers);
     header->context = NULL;
-    header->text = NULL;
+    header->headers = NULL;
 }

@@ -28,7 +28,7 @@ typedef struct hdr_exr_header {
     int chroma;            /* luminance-chroma: the picture's channels 0 ... 2 are Y, RY, BY as they are stored, chroma
                               with a sample in each chroma-th column of each chroma-th row (1 or 2); else 0 */
     const exr_attr_chlist_t *list; /* all channels of the file; it belongs to context */
-    struct hdr_exr_text *text;
+    struct hdr_exr_headers *headers;
 } hdr_exr_header;
 
 /* HDR_BAD_DATA: damaged, or a kind of EXR that is not read; the message says which. header is cleared first. */

@@ -106,9 +106,10 @@ static hdr_status next_attribute(hdr_input *input, uint64_t offset, hdr_exr_attr
 }
 
 /* Appends an attribute's value to bytes. */
-static hdr_status add_value(hdr_input *input, const hdr_exr_attribute *attribute, hdr_bytes *to, hdr_error *err) {
+static hdr_status add_value(hdr_input *input, const hdr_exr_attribute *attribute, uint32_t longest, hdr_bytes *to,
+                            hdr_error *err) {
     uint32_t size = attribute->size;
-    if (size > LONGEST_KEPT)
+    if (size > longest)
         return hdr_fail(err, HDR_BAD_DATA, "%s: the header is damaged: attribute \"%s\" claims %u bytes",
                         hdr_input_name(input), attribute->shown, size);
     hdr_status status = hdr_bytes_reserve(to, to->size + size, err);
@@ -117,15 +118,15 @@ static hdr_status add_value(hdr_input *input, const hdr_exr_attribute *attribute
     return status;
 }
 
-/* Copies an attribute into the library's header. */
-static hdr_status keep(hdr_input *input, const hdr_exr_attribute *attribute, hdr_bytes *to, hdr_error *err) {
+hdr_status hdr_exr_keep(hdr_input *input, const hdr_exr_attribute *attribute, uint32_t longest, hdr_bytes *to,
+                        hdr_error *err) {
     uint32_t size = attribute->size;
     const unsigned char size_bytes[4] = {(unsigned char)size, (unsigned char)(size >> 8), (unsigned char)(size >> 16),
                                          (unsigned char)(size >> 24)};
     hdr_status status = hdr_bytes_add(to, attribute->name, strlen(attribute->name) + 1, err);
     if (status == HDR_OK) status = hdr_bytes_add(to, attribute->type, strlen(attribute->type) + 1, err);
     if (status == HDR_OK) status = hdr_bytes_add(to, size_bytes, sizeof size_bytes, err);
-    return status == HDR_OK ? add_value(input, attribute, to, err) : status;
+    return status == HDR_OK ? add_value(input, attribute, longest, to, err) : status;
 }
 
 /* ---- Values ---- */
@@ -142,7 +143,7 @@ static hdr_status read_name(hdr_input *input, const hdr_exr_attribute *attribute
 static hdr_status read_views(struct walk *walk, const hdr_exr_attribute *attribute, hdr_error *err) {
     hdr_exr_part *part = walk->part;
     hdr_bytes raw = {0};
-    hdr_status status = add_value(walk->input, attribute, &raw, err);
+    hdr_status status = add_value(walk->input, attribute, LONGEST_KEPT, &raw, err);
     size_t at = 0;
     while (status == HDR_OK && raw.size - at >= 4) {
         uint32_t length = hdr_little_endian_32(raw.data + at);
@@ -212,7 +213,7 @@ static hdr_status note(struct walk *walk, const hdr_exr_attribute *attribute, hd
                             hdr_input_name(walk->input), attribute->shown);
         walk->seen[i] = true;
         if (i >= KEPT_ATTRIBUTES) return note_other(walk, attribute, err);
-        hdr_status status = keep(walk->input, attribute, &walk->part->text, err);
+        hdr_status status = hdr_exr_keep(walk->input, attribute, LONGEST_KEPT, &walk->part->text, err);
         if (status == HDR_OK) note_kept(walk, attribute->name, attribute->size);
         return status;
     }
@@ -246,14 +247,14 @@ static hdr_status list_channels(struct walk *walk, hdr_error *err) {
 
 /* ---- Headers ---- */
 
-/* The library sees a part as a file of its own, whose version word says whether there are tiles. */
-static hdr_status begin_text(hdr_exr_part *part, hdr_error *err) {
-    static const unsigned char start[START_BYTES] = {0x76, 0x2f, 0x31, 0x01, 2};
-    return hdr_bytes_add(&part->text, start, sizeof start, err);
+hdr_status hdr_exr_begin(hdr_bytes *to, hdr_error *err) {
+    static const unsigned char start[START_BYTES] = {0x76, 0x2f, 0x31, 0x01, 2, FLAG_LONG_NAMES >> 8};
+    return hdr_bytes_add(to, start, sizeof start, err);
 }
 
+/* The library sees a part as a file of its own, whose version word says whether there are tiles. */
 static hdr_status end_text(hdr_exr_part *part, hdr_error *err) {
-    part->text.data[VERSION_BYTES + 1] = (unsigned char)((FLAG_LONG_NAMES | (part->tiled ? FLAG_TILED : 0)) >> 8);
+    if (part->tiled) part->text.data[VERSION_BYTES + 1] |= FLAG_TILED >> 8;
     return hdr_bytes_add(&part->text, "", 1, err);
 }
 
@@ -283,7 +284,7 @@ static hdr_status add_part(hdr_input *input, hdr_exr_file *file, hdr_error *err)
         file->parts = grown;
     }
     file->parts[file->count] = (hdr_exr_part){.compression = -1, .data = {0, 0, -1, -1}, .display = {0, 0, -1, -1}};
-    return begin_text(&file->parts[file->count++], err);
+    return hdr_exr_begin(&file->parts[file->count++].text, err);
 }
 
 /* Walks one header, from its first attribute, which has been read, to the byte behind its end. */

@@ -55,6 +55,11 @@ typedef struct hdr_exr_visitor {
 
 /* HDR_BAD_DATA: damaged. visitor may be NULL. file is cleared first; free it in any case. */
 hdr_status hdr_exr_walk(hdr_input *input, hdr_exr_file *file, const hdr_exr_visitor *visitor, hdr_error *err);
+/* Appends a header's beginning, the magic number and version word; and an attribute, as a file has it. A value longer
+ * than `longest` is HDR_BAD_DATA. */
+hdr_status hdr_exr_begin(hdr_bytes *to, hdr_error *err);
+hdr_status hdr_exr_keep(hdr_input *input, const hdr_exr_attribute *attribute, uint32_t longest, hdr_bytes *to,
+                        hdr_error *err);
 void hdr_exr_file_free(hdr_exr_file *file);
 
 /* Names in a damaged header may be anything; messages are to be text. */

@@ -3,6 +3,7 @@
  * samples and ISA-L; DWAA and DWAB by the plug-in where the library does not have them; the other compressions by the
  * library's encoding pipeline, of which only the compressing stage is left. */
 #include "io/deflate.h"
+#include "io/exr_attributes.h"
 #include "io/exr_dwa.h"
 #include "io/sink.h"
 #include "kernel/predict_encode.h"
@@ -157,6 +158,10 @@ static exr_result_t set_attributes(const exr_sink *self) {
     if (result == EXR_ERR_SUCCESS && is_dwa(self->compression))
         result = exr_attr_set_float(context, 0, "dwaCompressionLevel", self->dwa_level);
     if (result == EXR_ERR_SUCCESS) result = exr_attr_set_string(context, 0, "hdrpipeState", frame->state);
+    if (result == EXR_ERR_SUCCESS) result = add_channels(context, frame);
+    /* last: what is there already is not copied */
+    if (result == EXR_ERR_SUCCESS && frame->attributes)
+        result = hdr_exr_put_attributes(context, frame->attributes, frame->record);
     return result;
 }
 
@@ -181,9 +186,10 @@ static hdr_status exr_begin(hdr_sink *sink, hdr_error *err) {
     int part;
     exr_result_t result =
         exr_start_write(&self->context, hdr_output_name(sink->output), EXR_WRITE_FILE_DIRECTLY, &initializer);
+    bool long_names = sink->frame.attributes && hdr_exr_long_names(sink->frame.attributes);
+    if (result == EXR_ERR_SUCCESS && long_names) result = exr_set_longname_support(self->context, 1);
     if (result == EXR_ERR_SUCCESS) result = exr_add_part(self->context, "pixels", EXR_STORAGE_SCANLINE, &part);
     if (result == EXR_ERR_SUCCESS) result = set_attributes(self);
-    if (result == EXR_ERR_SUCCESS) result = add_channels(self->context, &sink->frame);
     if (result == EXR_ERR_SUCCESS) result = exr_write_header(self->context);
     hdr_status status = checked(self, result, err);
     if (status == HDR_OK) status = load_dwa(self, err);

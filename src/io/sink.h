@@ -27,6 +27,8 @@ typedef struct hdr_frame {
     bool has_chromaticities; /* the pixels' primaries are these, not Rec.709 */
     hdr_chromaticities chromaticities;
     float pixel_aspect;
+    const hdr_bytes *attributes; /* of the file's header, as io/exr_attributes.h has them; NULL: none */
+    const char *record;          /* the chain, for a format that keeps it; NULL: it does not */
 } hdr_frame;
 
 static inline int hdr_frame_channels(const hdr_frame *frame) {

@@ -120,3 +120,9 @@ hdr_contents *hdr_source_contents(hdr_input *input, const hdr_reading *reading, 
     hdr_source_close(source);
     return contents;
 }
+
+hdr_status hdr_source_attributes(hdr_input *input, const hdr_picture *picture, hdr_exr_fate fate, hdr_bytes *out,
+                                 int *left_out, hdr_error *err) {
+    *left_out = 0;
+    return strcmp(picture->format, "exr") ? HDR_OK : hdr_exr_attributes(input, picture->part, fate, out, left_out, err);
+}

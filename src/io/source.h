@@ -2,7 +2,7 @@
 #ifndef HDR_SOURCE_H
 #define HDR_SOURCE_H
 
-#include "io/input.h"
+#include "io/exr_attributes.h"
 #include "picture/picture.h"
 
 typedef struct hdr_source hdr_source;
@@ -54,6 +54,10 @@ void hdr_source_close(hdr_source *source);
 
 /* All that a file holds, for hdr_input_contents. Of the reading only the memory matters. */
 hdr_contents *hdr_source_contents(hdr_input *input, const hdr_reading *reading, hdr_error *err);
+
+/* The attributes of the picture's file that go along into a file written of it, see io/exr_attributes.h. */
+hdr_status hdr_source_attributes(hdr_input *input, const hdr_picture *picture, hdr_exr_fate fate, hdr_bytes *out,
+                                 int *left_out, hdr_error *err);
 
 /* The formats. */
 hdr_source *hdr_exr_open(hdr_input *input, const hdr_reading *reading, hdr_error *err);

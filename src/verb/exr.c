@@ -7,6 +7,7 @@ typedef struct exr_params {
     int type;        /* index into types: hdr_type */
     int compression; /* hdr_compression */
     hdr_number dwa_level;
+    bool record;
 } exr_params;
 
 static const char *const types[] = {"half", "float", NULL};
@@ -33,6 +34,10 @@ static const hdr_option options[] = {{.name = "type",
                                       .max = 10000,
                                       .default_value = "45",
                                       .help = "how much dwaa and dwab may lose"},
+                                     {.name = "record",
+                                      .type = HDR_OPTION_FLAG,
+                                      .offset = offsetof(exr_params, record),
+                                      .help = "tell the chain in the header, as hdrpipeChain"},
                                      {0}};
 
 static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
@@ -50,16 +55,21 @@ static hdr_sample sample(const void *params, int bits) {
     return p->type == HDR_HALF ? HDR_SAMPLE_HALF : HDR_SAMPLE_FLOAT;
 }
 
+static bool records(const void *params) {
+    return ((const exr_params *)params)->record;
+}
+
 static hdr_sink *create(const void *params, hdr_output *output, const hdr_frame *frame, hdr_error *err) {
     const exr_params *p = params;
     return hdr_exr_create(output, frame, (hdr_compression)p->compression, (float)p->dwa_level.value, err);
 }
 
-static const hdr_format format = {.extension = ".exr", .alpha = true, .sample = sample, .create = create};
+static const hdr_format format = {
+    .extension = ".exr", .alpha = true, .attributes = true, .sample = sample, .records = records, .create = create};
 
 static const char *const examples[] = {"hdr expose --ev 2 then exr --type half --compression piz -o OUT.exr IN.exr",
                                        "hdr clamp then exr --compression dwab --dwa-level 100 -o OUT.exr IN.exr",
-                                       "hdr exp then exr -o - IN.exr > OUT.exr", NULL};
+                                       "hdr exp then exr --record -o - IN.exr > OUT.exr", NULL};
 
 const hdr_verb hdr_verb_exr = {
     .about =
@@ -70,7 +80,16 @@ const hdr_verb hdr_verb_exr = {
              "associated alpha. "
              "The attribute hdrpipeState tells whether the values are linear or encoded, so that reading the file "
              "back cannot "
-             "encode it twice. Nothing else about the chain, the command line or the machine is written.\n\n"
+             "encode it twice. Nothing about the machine is written, and nothing about the command line unless "
+             "--record "
+             "is given: then the attribute hdrpipeChain holds the chain and its reading options, a line for each time "
+             "the picture was so written.\n\n"
+             "The attributes of an EXR file that is read go along: camera, owner, comments, time code, matrices, "
+             "whatever "
+             "a renderer put there, of any type. Left out are those that say how its pixels were stored, the "
+             "thumbnail, "
+             "and what is not true any more: whiteLuminance behind a filter, adoptedNeutral where primaries were "
+             "converted, the screen window and the kind of environment map where --crop cut the frame.\n\n"
              "pxr24, b44, b44a, dwaa and dwab lose precision; the others keep every bit. dwaa and dwab are by far the "
              "smallest: like JPEG they keep what the eye sees, at half precision. --dwa-level tells how much may "
              "go (OpenEXR's dwaCompressionLevel: 0 the least, 45 is hardly seen, some hundreds will do for a preview); "

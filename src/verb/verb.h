@@ -94,12 +94,15 @@ typedef enum hdr_format_primaries {
 /* What a format verb provides. */
 typedef struct hdr_format {
     const char *extension; /* ".png" */
-    bool codes; /* it holds codes: the chain encodes and quantises if no verb has; its alpha is unassociated */
-    bool alpha; /* it can hold alpha */
+    bool codes;      /* it holds codes: the chain encodes and quantises if no verb has; its alpha is unassociated */
+    bool alpha;      /* it can hold alpha */
+    bool attributes; /* it can hold the attributes of an EXR header */
     hdr_format_primaries primaries;
     /* Codes: the bits of a sample, after an explicit quantisation to `quantised` bits (0: none). */
     int (*bits)(const void *params, int quantised);
     hdr_sample (*sample)(const void *params, int bits);
+    /* Whether the chain is to be told in the file. NULL: it never is. */
+    bool (*records)(const void *params);
     hdr_sink *(*create)(const void *params, hdr_output *output, const hdr_frame *frame, hdr_error *err);
 } hdr_format;
 

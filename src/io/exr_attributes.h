@@ -1,0 +1,33 @@
+/* The attributes of an EXR file's header that go along into the file that is written of it. */
+#ifndef HDR_EXR_ATTRIBUTES_H
+#define HDR_EXR_ATTRIBUTES_H
+
+#include "io/input.h"
+
+#include <openexr.h>
+
+/* The attribute in which --record keeps the chain: a line for each time it was written. */
+#define HDR_EXR_RECORD "hdrpipeChain"
+
+/* What has become of the picture, so that some attributes say of it what is no longer so. */
+typedef struct hdr_exr_fate {
+    bool altered;   /* its values are not the file's */
+    bool converted; /* nor are its primaries */
+    bool cropped;   /* its frame is not the file's */
+    bool recorded;  /* what becomes of it is added to the record of what was */
+} hdr_exr_fate;
+
+/* Appends the attributes of a part as the file has them, one behind the other. Not those that say how the pixels are
+ * stored, nor those that are not true any more. *left_out: how many did not go along because they are damaged or too
+ * large. */
+hdr_status hdr_exr_attributes(hdr_input *input, int part, hdr_exr_fate fate, hdr_bytes *out, int *left_out,
+                              hdr_error *err);
+
+/* Puts them into the header that context is about to write, which has its own already; they count. record: what is
+ * appended to HDR_EXR_RECORD, or NULL. */
+exr_result_t hdr_exr_put_attributes(exr_context_t context, const hdr_bytes *attributes, const char *record);
+
+/* Whether some name among them needs more room than old readers have. */
+bool hdr_exr_long_names(const hdr_bytes *attributes);
+
+#endif
