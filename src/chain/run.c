@@ -335,8 +335,8 @@ hdr_status hdr_run_sweep(hdr_run *run, const hdr_sweep *sweep, hdr_error *err) {
         run->sweeps++;
         hdr_say(run->listener, HDR_DETAIL, "sweep %d: %.1f ms", run->sweeps, milliseconds() - started);
         if (raw->certain) return HDR_OK;
-        bool as_it_is = !learn(run, sweep, &met);
-        raw->certain = true;
+        bool as_it_is = sweep->partial || !learn(run, sweep, &met);
+        raw->certain = !sweep->partial;
         raw->nan = met.nan;
         raw->positive_infinity = met.positive_infinity;
         raw->negative_infinity = met.negative_infinity;

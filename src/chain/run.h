@@ -83,6 +83,7 @@ typedef struct hdr_sweep {
     hdr_job job;
     void *context;
     bool grey_matters, alpha_matters; /* what it makes depends on the one being so or not, not only on values */
+    bool partial; /* it does not look at all pixels: what matters is certain already, and no more is learnt */
 } hdr_sweep;
 
 /* Makes a sweep, again if what it assumed turns out not to hold. The first that comes to its end makes the raw facts

@@ -326,12 +326,39 @@ static hdr_status choose_frame(writing *w, hdr_error *err) {
     return HDR_OK;
 }
 
-/* A file whose pixels outside the frame are never looked at still has to be whole, and its repairs counted: they are
- * facts over the data window. One sweep over all blocks settles it where the writing sweep would not see them all. */
 static bool sees_all(const writing *w) {
     const hdr_window *data = &w->run->source->picture.data, *window = &w->frame.data;
     return window->min_x <= data->min_x && window->max_x >= data->max_x && window->min_y <= data->min_y &&
            window->max_y >= data->max_y;
+}
+
+/* Whether the picture is known to be no less than what the frame has to hold, though no more of it has been seen than a
+ * guess takes: a colour, and a translucent pixel, once seen cannot be taken back. */
+static bool is_settled(const writing *w) {
+    const hdr_run *run = w->run;
+    const hdr_picture *picture = &run->source->picture;
+    bool colour = !w->may_be_grey || picture->planes == 1 || !run->raw.grey;
+    bool alpha = !w->format->format->alpha || !picture->has_alpha || !run->raw.opaque || has_border(w);
+    return colour && alpha;
+}
+
+/* What the writing sweep is told of the picture beforehand. Greyness and opacity are those of the whole data window:
+ * where the frame does not show all of it, and a look at the middle does not settle them, a sweep has to. Otherwise
+ * blocks outside the frame are never decoded. *partial: so it is. */
+static hdr_status look_ahead(writing *w, bool *partial, hdr_error *err) {
+    hdr_run *run = w->run;
+    hdr_status status = hdr_run_guess(run, w->may_be_grey, err);
+    *partial = false;
+    if (status || run->raw.certain || sees_all(w)) return status;
+    *partial = is_settled(w) && !run->settings.strict && !run->settings.no_skip;
+    if (*partial) {
+        hdr_say(run->listener, HDR_EXPLAIN, "pixels outside the window that is written are not looked at");
+        return HDR_OK;
+    }
+    hdr_run_keep(run);
+    hdr_request nothing = {0};
+    hdr_facts facts;
+    return hdr_run_facts(run, &nothing, &facts, err);
 }
 
 /* Light without cover, such as a flame's, is what EXR can hold and PNG cannot: said once, with the way out. */
@@ -386,20 +413,16 @@ hdr_status hdr_run_write(hdr_run *run, const hdr_verb *format, const void *param
             w.tail ? run->steps + w.tail : run->steps; /* none at all: NULL, to which 0 is not added */
         w.tabulated = w.table && hdr_steps_tabulate(tail, run->step_count - w.tail, w.table);
     }
-    if (!status && !run->raw.certain && !sees_all(&w)) {
-        hdr_run_keep(run);
-        hdr_request nothing = {0};
-        hdr_facts facts;
-        status = hdr_run_facts(run, &nothing, &facts, err);
-    }
-    if (!status) status = hdr_run_guess(run, w.may_be_grey, err);
+    bool partial = false;
+    if (!status) status = look_ahead(&w, &partial, err);
     if (!status)
         status = hdr_run_sweep(run,
                                &(hdr_sweep){.before = begin_attempt,
                                             .job = band_job,
                                             .context = &w,
                                             .grey_matters = w.may_be_grey,
-                                            .alpha_matters = format->format->alpha},
+                                            .alpha_matters = format->format->alpha,
+                                            .partial = partial},
                                err);
     if (!status) status = w.sink->end(w.sink, err);
     if (!status) explain_tail(&w);

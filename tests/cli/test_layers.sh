@@ -122,6 +122,10 @@ alike multipart "$parts" '--layer left' '--part 4'
 alike multipart "$parts" '--layer LEFT' '--part rgba_left'
 alike multipart "$parts" '--part 0' '--layer right'
 alike multipart "$parts" '--layer left --channel Z' '--part depth_left --channel Z'
+for view in left right; do # each part has its own header
+    "$hdr" exr --channel Z --part "depth_$view" -o "$work/view.exr" "$parts"
+    check "the attributes of part depth_$view" test "$("$hdr" info "$work/view.exr" | grep -c "view (string) $view")" = 1
+done
 ways 'a view that is a layer' "$layers" --layer left
 ways 'a channel' "$layers" --channel whitebarmask.left.mask
 alike layers "$layers" '--layer right' '--part 0'
