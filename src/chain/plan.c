@@ -17,7 +17,8 @@ typedef struct planning {
     bool converted;
     hdr_facts facts; /* of the pixels as they were when facts were last taken; fresh: as they are now */
     bool fresh;
-    hdr_facts range; /* range of the components, carried along; known is 0 where it is not */
+    hdr_facts range;      /* range of the components, carried along; known is 0 where it is not */
+    hdr_plane *luminance; /* of the pixels as they were when it was last asked for */
 } planning;
 
 static hdr_status append_step(planning *p, const hdr_step *step, hdr_error *err) {
@@ -66,17 +67,62 @@ static hdr_status convert_primaries(planning *p, hdr_error *err) {
 
 /* ---- Clauses ---- */
 
+/* Room for the luminance of each pixel. */
+static hdr_status new_luminance(planning *p, bool wide, hdr_error *err) {
+    const hdr_window *data = &p->run->source->picture.data;
+    hdr_plane_free(p->luminance);
+    p->luminance = hdr_plane_new((int)hdr_window_width(data), (int)hdr_window_height(data), wide, err);
+    return p->luminance ? HDR_OK : HDR_INTERNAL;
+}
+
 /* Facts that are at hand already, or a sweep for them. */
 static hdr_status provide_facts(planning *p, int number, const hdr_clause *clause, hdr_error *err) {
     hdr_request request = {0};
     if (clause->verb->needs) clause->verb->needs(clause->params, &request);
-    if (!request.percentiles && (!request.facts || (p->fresh && !(request.facts & ~p->facts.known)))) return HDR_OK;
-    hdr_status status = hdr_run_facts(p->run, &request, &p->facts, err);
+    bool known = p->fresh && !(request.facts & ~p->facts.known) &&
+                 !(request.facts & HDR_FACT_SHIFTED && request.shift != p->facts.shift);
+    if (!request.percentiles && !request.plane && (!request.facts || known)) return HDR_OK;
+    if (request.plane && new_luminance(p, p->run->settings.reference, err)) return HDR_INTERNAL;
+    hdr_status status = hdr_run_facts(p->run, &request, &p->facts, request.plane ? p->luminance : NULL, err);
     p->fresh = !status;
     if (!status)
         hdr_say(p->run->listener, HDR_EXPLAIN, "sweep %d: facts for clause %d (%s)", p->run->sweeps, number,
                 clause->verb->about.name);
     return status;
+}
+
+/* S of each pixel, for a step that has a use for it. */
+static hdr_status provide_surround(planning *p, int number, const hdr_clause *clause, hdr_step *step, hdr_error *err) {
+    hdr_run *run = p->run;
+    if (step->wide && !p->luminance->wide) {
+        const hdr_request nothing_else = {.plane = true};
+        hdr_facts facts;
+        hdr_status status = new_luminance(p, true, err);
+        if (!status) status = hdr_run_facts(run, &nothing_else, &facts, p->luminance, err);
+        if (status) return status;
+    }
+    hdr_plane **grown = hdr_grow(run->surrounds, (size_t)run->surround_count + 1, sizeof(hdr_plane *));
+    if (!grown) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+    run->surrounds = grown;
+    hdr_plane *surround = hdr_plane_new(p->luminance->width, p->luminance->height, p->luminance->wide != NULL, err);
+    if (!surround) return HDR_INTERNAL;
+    run->surrounds[run->surround_count++] = surround;
+    hdr_scene scene = {.facts = p->facts, .state = p->state};
+    hdr_surroundings with = {.params = clause->params,
+                             .scene = &scene,
+                             .luminance = p->luminance,
+                             .surround = surround,
+                             .pool = run->pool,
+                             .no_skip = run->settings.no_skip};
+    double started = hdr_milliseconds();
+    hdr_status status = clause->verb->surround(step, &with, err);
+    if (status) return status;
+    step->surround = surround;
+    hdr_say(run->listener, HDR_DETAIL, "surround of clause %d: %.1f ms", number, hdr_milliseconds() - started);
+    hdr_say(run->listener, HDR_EXPLAIN, "clause %d (%s): %s", number, clause->verb->about.name, with.note);
+    hdr_plane_free(p->luminance);
+    p->luminance = NULL;
+    return HDR_OK;
 }
 
 /* Where a step maps each channel by a curve that is monotone to the last bit, the range of the components maps along.
@@ -126,7 +172,8 @@ static hdr_status plan_clause(planning *p, int number, const hdr_clause *clause,
         hdr_say(run->listener, HDR_EXPLAIN, "clause %d (%s) skipped: %s", number, name, step.note);
     } else {
         hdr_say(run->listener, HDR_EXPLAIN, "clause %d (%s): %s", number, name, step.note);
-        status = append_step(p, &step, err);
+        if (step.form == HDR_FORM_LOCAL) status = provide_surround(p, number, clause, &step, err);
+        if (!status) status = append_step(p, &step, err);
         carry_range(p, &step, &facts);
     }
     if (step.state[0]) memcpy(p->state, step.state, sizeof p->state);
@@ -139,7 +186,7 @@ static bool wants_facts(const hdr_chain *chain) {
     for (int i = 0; i < chain->count; i++) {
         hdr_request request = {0};
         if (chain->clauses[i].verb->needs) chain->clauses[i].verb->needs(chain->clauses[i].params, &request);
-        if (request.facts || request.percentiles) return true;
+        if (request.facts || request.percentiles || request.plane) return true;
     }
     return false;
 }
@@ -291,6 +338,7 @@ static hdr_status run_chain(hdr_chain *chain, hdr_input *input, const hdr_listen
         planning p = {.run = &run};
         if (!status) status = plan_filters(&p, &own);
         if (!status) status = end(&p, context, &own);
+        hdr_plane_free(p.luminance);
         hdr_run_close(&run);
     }
     hdr_chain_free(whole);
@@ -327,7 +375,7 @@ static hdr_status finish_stats(planning *p, void *context, hdr_error *err) {
             (hdr_decimal){(uint64_t)(stats->percentile_percent[i] * (dot ? 10 : 1) + 0.5), dot ? 1 : 0};
     }
     hdr_facts facts;
-    hdr_status status = hdr_run_facts(p->run, &request, &facts, err);
+    hdr_status status = hdr_run_facts(p->run, &request, &facts, NULL, err);
     if (status) return status;
     const hdr_raw *raw = &p->run->raw;
     stats->picture = p->run->source->picture;

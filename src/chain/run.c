@@ -56,6 +56,9 @@ void hdr_run_close(hdr_run *run) {
     free(run->threads);
     if (run->kept) hdr_free_pages(run->kept, run->kept_size);
     free(run->kept_state);
+    for (int i = 0; i < run->surround_count; i++)
+        hdr_plane_free(run->surrounds[i]);
+    free(run->surrounds);
     free(run->steps);
     hdr_source_close(run->source);
 }
@@ -183,6 +186,8 @@ bool hdr_run_load(hdr_run *run, int thread, const hdr_block *block, int row, int
     int planes = run->source->picture.planes;
     bool known = true, colour = false;
     strip->count = count;
+    strip->row = block->first_row + row;
+    strip->x = x;
     /* G and B need not be converted where they repeat R; but repairs are counted in all channels */
     bool plain_grey = planes == 3 && run->raw.grey && reduce && same_bits(block, 0, 1, row, x, count) &&
                       same_bits(block, 0, 2, row, x, count);
@@ -299,7 +304,7 @@ static bool learn(hdr_run *run, const hdr_sweep *sweep, const hdr_watch *met) {
     return (sweep->grey_matters && raw->grey != before.grey) || (sweep->alpha_matters && raw->opaque != before.opaque);
 }
 
-static double milliseconds(void) {
+double hdr_milliseconds(void) {
     struct timespec now = {0};
     clock_gettime(CLOCK_MONOTONIC, &now);
     return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
@@ -308,7 +313,7 @@ static double milliseconds(void) {
 hdr_status hdr_run_sweep(hdr_run *run, const hdr_sweep *sweep, hdr_error *err) {
     hdr_raw *raw = &run->raw;
     for (;;) {
-        double started = milliseconds();
+        double started = hdr_milliseconds();
         int items = 0;
         for (int t = 0; t < run->thread_count; t++)
             run->threads[t].watch = (hdr_watch){0};
@@ -333,7 +338,7 @@ hdr_status hdr_run_sweep(hdr_run *run, const hdr_sweep *sweep, hdr_error *err) {
             continue;
         }
         run->sweeps++;
-        hdr_say(run->listener, HDR_DETAIL, "sweep %d: %.1f ms", run->sweeps, milliseconds() - started);
+        hdr_say(run->listener, HDR_DETAIL, "sweep %d: %.1f ms", run->sweeps, hdr_milliseconds() - started);
         if (raw->certain) return HDR_OK;
         bool as_it_is = sweep->partial || !learn(run, sweep, &met);
         raw->certain = !sweep->partial;
@@ -385,7 +390,8 @@ hdr_status hdr_run_guess(hdr_run *run, bool grey_matters, hdr_error *err) {
 typedef struct facts_sweep {
     hdr_run *run;
     hdr_taking *taking;
-    bool whole;  /* all channels are wanted, even if they are equal */
+    hdr_plane *plane; /* Y goes there; or NULL */
+    bool whole;       /* all channels are wanted, even if they are equal */
     bool reduce; /* one plane stands for three equal ones: the same in all sweeps of a taking, whose counts go together
                   */
 } facts_sweep;
@@ -396,6 +402,18 @@ static hdr_status facts_before(void *context, int *items, hdr_error *err) {
     hdr_taking_restart(sweep->taking);
     *items = sweep->run->source->blocks;
     return HDR_OK;
+}
+
+/* A pixel that is not lit has 0 there. */
+static void store_luminance(const hdr_strip *strip, hdr_plane *plane) {
+    size_t at = (size_t)strip->row * plane->stride + (size_t)strip->x;
+    double lit[HDR_STRIP];
+    for (size_t i = 0; i < strip->count; i++)
+        lit[i] = strip->y[i] > 0 ? strip->y[i] : 0;
+    if (plane->wide)
+        memcpy(plane->wide + at, lit, strip->count * sizeof *lit);
+    else
+        hdr_real_to_float(lit, plane->narrow + at, strip->count);
 }
 
 static hdr_status facts_job(void *context, int item, int thread, hdr_error *err) {
@@ -412,6 +430,7 @@ static hdr_status facts_job(void *context, int item, int thread, hdr_error *err)
             if (!hdr_run_load(run, thread, &block, row, (int)x, count, sweep->reduce, sweep->whole)) return HDR_OK;
             hdr_strip_apply(strip, run->steps, 0, run->step_count, run->settings.reference);
             hdr_strip_luminance(strip, run->weights);
+            if (sweep->plane) store_luminance(strip, sweep->plane);
             const double *planes[3] = {strip->c[0], strip->c[1], strip->c[2]};
             hdr_taking_strip(sweep->taking, thread, planes, strip->planes, strip->y,
                              run->source->picture.has_alpha ? strip->alpha : NULL, count);
@@ -421,9 +440,9 @@ static hdr_status facts_job(void *context, int item, int thread, hdr_error *err)
     return HDR_OK;
 }
 
-hdr_status hdr_run_facts(hdr_run *run, const hdr_request *request, hdr_facts *facts, hdr_error *err) {
+hdr_status hdr_run_facts(hdr_run *run, const hdr_request *request, hdr_facts *facts, hdr_plane *plane, hdr_error *err) {
     if (request->percentiles) hdr_run_keep(run);
-    facts_sweep sweep = {.run = run, .whole = request->facts & HDR_FACT_CHANNELS};
+    facts_sweep sweep = {.run = run, .plane = plane, .whole = request->facts & HDR_FACT_CHANNELS};
     sweep.reduce = run->raw.certain && !sweep.whole;
     int height = (int)hdr_window_height(&run->source->picture.data);
     /* as they are stored: neither a step nor a division by alpha has touched them */

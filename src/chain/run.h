@@ -48,6 +48,8 @@ typedef struct hdr_run {
     hdr_raw raw;
     hdr_step *steps; /* those resolved so far, skipped ones left out */
     int step_count;
+    hdr_plane **surrounds; /* of the steps that have one */
+    int surround_count;
     double weights[3];  /* of luminance where the steps end */
     const double *over; /* the colour under the picture, NULL: none; its alpha, if it has one, is used up in reading */
     bool coloured;      /* that colour is no grey */
@@ -90,8 +92,12 @@ typedef struct hdr_sweep {
  * certain. */
 hdr_status hdr_run_sweep(hdr_run *run, const hdr_sweep *sweep, hdr_error *err);
 
-/* The facts of what the steps make of the picture. */
-hdr_status hdr_run_facts(hdr_run *run, const hdr_request *request, hdr_facts *facts, hdr_error *err);
+/* The facts of what the steps make of the picture. plane: filled where the request asks for it; of the data window's
+ * size. */
+hdr_status hdr_run_facts(hdr_run *run, const hdr_request *request, hdr_facts *facts, hdr_plane *plane, hdr_error *err);
+
+/* Of a clock that only goes forward. */
+double hdr_milliseconds(void);
 
 /* Looks at one block in the middle to assume what is likely. Where it does not matter, a picture is not taken for grey.
  */

@@ -13,7 +13,36 @@ void hdr_strip_luminance(hdr_strip *strip, const double weights[3]) {
         hdr_luminance(strip->c[0], strip->c[1], strip->c[2], weights, strip->y, strip->count);
 }
 
+/* ---- Surrounds ---- */
+
+/* S of the strip's pixels into strip->surround. What lies outside the data window has nothing around it but its like.
+ */
+static void load_surround(hdr_strip *strip, const hdr_plane *plane) {
+    if (strip->row < 0) {
+        for (size_t i = 0; i < strip->count; i++)
+            strip->surround[i] = strip->y[i] > 0 ? strip->y[i] : 0;
+        return;
+    }
+    size_t at = (size_t)strip->row * plane->stride + (size_t)strip->x;
+    if (plane->wide)
+        memcpy(strip->surround, plane->wide + at, strip->count * sizeof(double));
+    else
+        hdr_float_to_real(plane->narrow + at, strip->surround, strip->count);
+}
+
 /* ---- By rows ---- */
+
+/* strip->ld has Ld: C' = (C/Y)^saturation Ld. */
+static void colour_by_luminance(hdr_strip *strip, double saturation) {
+    if (saturation == 1) {
+        hdr_luminance_ratio(strip->y, strip->ld, strip->count);
+        for (int p = 0; p < strip->planes; p++)
+            hdr_multiply(strip->c[p], strip->ld, strip->count);
+    } else {
+        for (int p = 0; p < strip->planes; p++)
+            hdr_saturate(strip->c[p], strip->y, strip->ld, saturation, strip->count);
+    }
+}
 
 static void apply_rows(hdr_strip *strip, const hdr_step *step) {
     switch (step->form) {
@@ -27,14 +56,14 @@ static void apply_rows(hdr_strip *strip, const hdr_step *step) {
         hdr_strip_luminance(strip, step->luminance);
         memcpy(strip->ld, strip->y, strip->count * sizeof(double));
         step->curve->rows(&step->constants, strip->ld, strip->count);
-        if (step->saturation == 1) {
-            hdr_luminance_ratio(strip->y, strip->ld, strip->count);
-            for (int p = 0; p < strip->planes; p++)
-                hdr_multiply(strip->c[p], strip->ld, strip->count);
-        } else {
-            for (int p = 0; p < strip->planes; p++)
-                hdr_saturate(strip->c[p], strip->y, strip->ld, step->saturation, strip->count);
-        }
+        colour_by_luminance(strip, step->saturation);
+        break;
+    case HDR_FORM_LOCAL:
+        hdr_strip_luminance(strip, step->luminance);
+        load_surround(strip, step->surround);
+        memcpy(strip->ld, strip->y, strip->count * sizeof(double));
+        step->local->rows(&step->constants, strip->ld, strip->surround, strip->count);
+        colour_by_luminance(strip, step->saturation);
         break;
     case HDR_FORM_MATRIX:
         hdr_matrix_rows(strip->c[0], strip->c[1], strip->c[2], step->matrix, strip->count);
@@ -44,15 +73,25 @@ static void apply_rows(hdr_strip *strip, const hdr_step *step) {
 
 /* ---- Value by value: SPEC's formulas and nothing else ---- */
 
-static void reference_pixel(const hdr_step *step, double *pixel[3], int planes) {
+/* S of the strip's pixel i, whose luminance is y. */
+static double surround_of(const hdr_strip *strip, size_t i, const hdr_plane *plane, double y) {
+    if (strip->row < 0) return y > 0 ? y : 0;
+    size_t at = (size_t)strip->row * plane->stride + (size_t)strip->x + i;
+    return plane->wide ? plane->wide[at] : (double)plane->narrow[at];
+}
+
+static void reference_pixel(const hdr_strip *strip, size_t i, const hdr_step *step, double *pixel[3]) {
+    int planes = strip->planes;
     double r = *pixel[0], g = planes == 3 ? *pixel[1] : r, b = planes == 3 ? *pixel[2] : r;
     if (step->form == HDR_FORM_CHANNEL) {
         for (int p = 0; p < planes; p++)
             *pixel[p] = hdr_held(step->curve->exact(&step->constants, *pixel[p]));
-    } else if (step->form == HDR_FORM_LUMINANCE) {
+    } else if (step->form != HDR_FORM_MATRIX) {
         const double *w = step->luminance;
         double y = r == g && g == b ? r : w[0] * r + w[1] * g + w[2] * b;
-        double ld = step->curve->exact(&step->constants, y);
+        double ld = step->form == HDR_FORM_LOCAL
+                        ? step->local->exact(&step->constants, y, surround_of(strip, i, step->surround, y))
+                        : step->curve->exact(&step->constants, y);
         for (int p = 0; p < planes; p++) {
             double c = *pixel[p];
             if (!(y > 0))
@@ -80,7 +119,7 @@ void hdr_strip_apply(hdr_strip *strip, const hdr_step *steps, int first, int end
     for (size_t i = 0; i < strip->count; i++) {
         double *pixel[3] = {&strip->c[0][i], &strip->c[1][i], &strip->c[2][i]};
         for (int s = first; s < end; s++)
-            reference_pixel(&steps[s], pixel, strip->planes);
+            reference_pixel(strip, i, &steps[s], pixel);
     }
 }
 

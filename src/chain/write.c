@@ -230,6 +230,7 @@ static void make_border(const writing *w, int thread, unsigned char *out) {
     const hdr_run *run = w->run;
     hdr_strip *strip = run->threads[thread].strip;
     memset(out, 0, hdr_frame_row_bytes(&w->frame));
+    strip->row = -1;
     for (int x = 0; run->over && x < w->frame.width; x += HDR_STRIP) {
         strip->count = w->frame.width - x < HDR_STRIP ? (size_t)(w->frame.width - x) : HDR_STRIP;
         strip->planes = run->raw.grey && w->may_be_grey ? 1 : run->source->picture.planes;
@@ -358,7 +359,7 @@ static hdr_status look_ahead(writing *w, bool *partial, hdr_error *err) {
     hdr_run_keep(run);
     hdr_request nothing = {0};
     hdr_facts facts;
-    return hdr_run_facts(run, &nothing, &facts, err);
+    return hdr_run_facts(run, &nothing, &facts, NULL, err);
 }
 
 /* Light without cover, such as a flame's, is what EXR can hold and PNG cannot: said once, with the way out. */

@@ -14,7 +14,7 @@
 typedef struct tally {
     hdr_range components, luminance, channel[4];
     uint64_t pixels, lit, negative, unlit_colour, coloured;
-    double lanes[8]; /* of the row under way */
+    double lanes[8], shifted_lanes[8]; /* of the row under way */
 } tally;
 
 /* Counters of buckets. A few threads have a table each; many share them, so that memory does not grow with their
@@ -35,6 +35,7 @@ struct hdr_taking {
     int height, threads, sweep;
     int digits[HDR_POPULATIONS]; /* of its keys that can differ */
     double *row_logs;            /* sum of ln Y of each row's lit pixels */
+    double *row_shifted_logs;    /* sum of ln(Y + shift) of each row's pixels */
     tally *tallies;
     counter *tables; /* for each table: for each percentile of the request, as many as there can be slots: BUCKETS */
     int table_count;
@@ -85,8 +86,9 @@ hdr_taking *hdr_taking_new(const hdr_request *request, int height, int threads, 
         taking->digits[p] = p == HDR_OF_COMPONENTS && !float_components ? 4 : 2;
     assign_slots(taking);
     taking->row_logs = hdr_alloc((size_t)height, sizeof *taking->row_logs);
+    taking->row_shifted_logs = hdr_alloc((size_t)height, sizeof *taking->row_shifted_logs);
     taking->tallies = hdr_alloc((size_t)threads, sizeof *taking->tallies);
-    if (!taking->row_logs || !taking->tallies) goto out;
+    if (!taking->row_logs || !taking->row_shifted_logs || !taking->tallies) goto out;
     taking->table_count = threads < MOST_TABLES ? threads : MOST_TABLES;
     taking->tables = hdr_alloc((size_t)taking->table_count * (size_t)request->percentiles * BUCKETS, sizeof(counter));
     if (!taking->tables) goto out;
@@ -103,6 +105,7 @@ void hdr_taking_free(hdr_taking *taking) {
     free(taking->tables);
     free(taking->tallies);
     free(taking->row_logs);
+    free(taking->row_shifted_logs);
     free(taking);
 }
 
@@ -168,6 +171,14 @@ static void count_odd_pixels(tally *mine, const double *const c[3], int planes, 
     mine->coloured += coloured;
 }
 
+static void add_shifted_logs(const hdr_taking *taking, tally *mine, const double *y, size_t count) {
+    double shifted[HDR_STRIP];
+    uint64_t pixels = 0;
+    for (size_t i = 0; i < count; i++)
+        shifted[i] = taking->request.shift + (y[i] > 0 ? y[i] : 0);
+    hdr_sum_logs(shifted, mine->shifted_lanes, &pixels, count);
+}
+
 void hdr_taking_strip(hdr_taking *taking, int thread, const double *const c[3], int planes, const double *y,
                       const double *alpha, size_t count) {
     tally *mine = &taking->tallies[thread];
@@ -180,6 +191,7 @@ void hdr_taking_strip(hdr_taking *taking, int thread, const double *const c[3], 
         hdr_range_add(&mine->luminance, y, count);
         hdr_sum_logs(y, mine->lanes, &mine->lit, count);
     }
+    if (facts & HDR_FACT_SHIFTED) add_shifted_logs(taking, mine, y, count);
     if (facts & HDR_FACT_CHANNELS) {
         for (int p = 0; p < planes; p++)
             hdr_range_add(&mine->channel[p], c[p], count);
@@ -200,7 +212,9 @@ void hdr_taking_row_end(hdr_taking *taking, int thread, int row) {
     tally *mine = &taking->tallies[thread];
     if (taking->sweep > 0) return; /* the first has settled all but percentiles */
     taking->row_logs[row] = hdr_sum_lanes(mine->lanes);
+    taking->row_shifted_logs[row] = hdr_sum_lanes(mine->shifted_lanes);
     memset(mine->lanes, 0, sizeof mine->lanes);
+    memset(mine->shifted_lanes, 0, sizeof mine->shifted_lanes);
 }
 
 /* ---- After a sweep ---- */
@@ -242,6 +256,17 @@ static double finite_or_0(double value) {
     return isfinite(value) ? value : 0;
 }
 
+/* Rows from top to bottom, with the lost low parts carried along (Neumaier 1974). */
+static double sum_rows(const double *terms, int height) {
+    double sum = 0, lost = 0;
+    for (int row = 0; row < height; row++) {
+        double term = terms[row], next = sum + term;
+        lost += fabs(sum) >= fabs(term) ? (sum - next) + term : (term - next) + sum;
+        sum = next;
+    }
+    return sum + lost;
+}
+
 static void fill_facts(hdr_taking *taking) {
     const tally *all = &taking->tallies[0];
     hdr_facts *facts = &taking->facts;
@@ -261,14 +286,10 @@ static void fill_facts(hdr_taking *taking) {
     facts->negative = all->negative;
     facts->unlit_colour = all->unlit_colour;
     facts->coloured = all->coloured;
-    /* rows from top to bottom, with the lost low parts carried along (Neumaier 1974) */
-    double sum = 0, lost = 0;
-    for (int row = 0; row < taking->height; row++) {
-        double term = taking->row_logs[row], next = sum + term;
-        lost += fabs(sum) >= fabs(term) ? (sum - next) + term : (term - next) + sum;
-        sum = next;
-    }
-    facts->log_average = all->lit ? hdr_exp((sum + lost) / (double)all->lit) : 0;
+    facts->log_average = all->lit ? hdr_exp(sum_rows(taking->row_logs, taking->height) / (double)all->lit) : 0;
+    facts->shift = taking->request.shift;
+    facts->shifted_average =
+        all->pixels ? hdr_exp(sum_rows(taking->row_shifted_logs, taking->height) / (double)all->pixels) : 0;
 }
 
 /* The bucket in which the value of a rank lies; `below` becomes the number of values in lower buckets. */

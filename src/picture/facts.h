@@ -10,6 +10,7 @@ enum {
     HDR_FACT_LUMINANCE = 2,  /* min, max and smallest positive Y, lit pixels, log-average */
     HDR_FACT_CHANNELS =
         4, /* min and max of each channel, alpha included; negative components, pixels with colour that are not lit */
+    HDR_FACT_SHIFTED = 8, /* log-average of Y + shift over all pixels */
 };
 
 /* Of which values a percentile is taken. Luminances are rounded to float32 for it, components are not. */
@@ -25,6 +26,8 @@ typedef enum hdr_population {
 /* What a verb, or stats, asks for. */
 typedef struct hdr_request {
     unsigned facts; /* HDR_FACT_... */
+    double shift;   /* HDR_FACT_SHIFTED: above 0 */
+    bool plane;     /* Y of every pixel by itself, 0 where it is not lit */
     int percentiles;
     struct {
         hdr_population of;
@@ -39,6 +42,7 @@ typedef struct hdr_facts {
     double min_component, max_component, min_positive_component; /* the last: 0 when none is positive */
     double min_luminance, max_luminance, min_lit;                /* min_lit: 0 when nothing is lit */
     double log_average;                        /* exp(mean ln Y) over lit pixels; 0 when nothing is lit */
+    double shift, shifted_average;             /* exp(mean ln(shift + max(Y, 0))) over all pixels */
     double channel_min[4], channel_max[4];     /* R G B (or Y) and, in [3], alpha */
     uint64_t negative, unlit_colour, coloured; /* coloured: pixels whose components are not all equal */
     double percentile[HDR_MAX_PERCENTILES];    /* in the order of the request; 0 for an empty population */

@@ -6,8 +6,10 @@
 
 #include "base/cpu.h"
 #include "base/options.h"
+#include "base/pool.h"
 #include "io/sink.h"
 #include "picture/facts.h"
+#include "picture/plane.h"
 
 typedef struct hdr_verb hdr_verb;
 
@@ -49,10 +51,35 @@ typedef struct hdr_curve {
     }                                                                                                                  \
     static const hdr_curve name = {name##_exact, name##_rows, monotone, joined, joint};
 
+/* A formula of two numbers, a pixel's luminance and what its surround is, defined for all that are not negative. */
+typedef struct hdr_local_curve {
+    double (*exact)(const hdr_constants *constants, double value, double surround);
+    void (*rows)(const hdr_constants *constants, double *values, const double *surround, size_t count);
+} hdr_local_curve;
+
+/* HDR_LOCAL_CURVE(name) makes it of the function
+ *     HDR_INLINE double name_of(const hdr_constants *k, double value, double surround)
+ */
+#define HDR_LOCAL_CURVE(name)                                                                                          \
+    HDR_INLINE void name##_rows_body(const hdr_constants *constants, double *values, const double *surround,           \
+                                     size_t count) {                                                                   \
+        const hdr_constants k = *constants;                                                                            \
+        for (size_t i = 0; i < count; i++)                                                                             \
+            values[i] = name##_of(&k, values[i], surround[i]);                                                         \
+    }                                                                                                                  \
+    HDR_VERSIONS_IN(static, name##_rows,                                                                               \
+                    (const hdr_constants *constants, double *values, const double *surround, size_t count),            \
+                    (constants, values, surround, count))                                                              \
+    static double name##_exact(const hdr_constants *constants, double value, double surround) {                        \
+        return name##_of(constants, value, surround);                                                                  \
+    }                                                                                                                  \
+    static const hdr_local_curve name = {name##_exact, name##_rows};
+
 /* What a step does with its formula f. */
 typedef enum hdr_form {
     HDR_FORM_CHANNEL,   /* C' = f(C), each colour channel by itself */
     HDR_FORM_LUMINANCE, /* Ld = f(Y), C' = (C/Y)^saturation Ld; 0 where Y <= 0 */
+    HDR_FORM_LOCAL,     /* Ld = f(Y, S), S the pixel's surround; C' as above */
     HDR_FORM_MATRIX     /* (R',G',B') = M (R,G,B) */
 } hdr_form;
 
@@ -62,8 +89,11 @@ typedef struct hdr_step {
     int clause; /* 1 for the first */
     hdr_form form;
     const hdr_curve *curve;
+    const hdr_local_curve *local; /* HDR_FORM_LOCAL */
+    const hdr_plane *surround;    /* the same: S of each pixel of the data window; filled by the chain */
+    bool wide;                    /* the same: its luminances are nothing for float, S is to be computed in double */
     hdr_constants constants;
-    double saturation;   /* HDR_FORM_LUMINANCE */
+    double saturation;   /* HDR_FORM_LUMINANCE, HDR_FORM_LOCAL */
     double luminance[3]; /* weights of Y where the step stands; filled by the chain */
     double matrix[9];    /* HDR_FORM_MATRIX, by rows */
     char state[64];      /* not empty: what the pixels are afterwards, "linear", "srgb", "gamma 2.2" */
@@ -82,6 +112,17 @@ typedef enum hdr_verdict {
     HDR_SKIP,  /* doing it would give the same pixels bit for bit; the step must be filled all the same (--no-skip) */
     HDR_REFUSE /* err is filled */
 } hdr_verdict;
+
+/* How a surround is to be computed. */
+typedef struct hdr_surroundings {
+    const void *params;
+    const hdr_scene *scene;
+    const hdr_plane *luminance; /* Y of each pixel, 0 where it is not lit; wide for the reference */
+    hdr_plane *surround;        /* to be filled; of the same size and type */
+    hdr_pool *pool;
+    bool no_skip;
+    char note[240]; /* to be filled, for --explain: what was left out */
+} hdr_surroundings;
 
 /* What becomes of a linear picture whose primaries are not Rec.709's. */
 typedef enum hdr_format_primaries {
@@ -115,6 +156,9 @@ struct hdr_verb {
     void (*needs)(const void *params, hdr_request *request);
     /* Filters: resolves the parameters. Pure. */
     hdr_verdict (*plan)(const void *params, const hdr_scene *scene, hdr_step *step, hdr_error *err);
+    /* Spatial filters: S of each pixel, for a step that plan() has given HDR_FORM_LOCAL. needs() has asked for the
+     * plane of luminance. The same bytes whatever the pool. */
+    hdr_status (*surround)(const hdr_step *step, hdr_surroundings *with, hdr_error *err);
     const hdr_format *format; /* formats only */
 };
 

@@ -188,6 +188,17 @@ static inline void *law_parameters(const law_variant *variant, hdr_options *give
     return params;
 }
 
+/* What the verb needs to know with these parameters. */
+static inline hdr_request law_request(const law_variant *variant) {
+    hdr_options given = {0};
+    hdr_request request = {0};
+    void *params = law_parameters(variant, &given);
+    if (variant->verb->needs) variant->verb->needs(params, &request);
+    hdr_options_free(&given);
+    free(params);
+    return request;
+}
+
 /* ---- Pictures ---- */
 
 typedef struct law_picture {

@@ -104,6 +104,7 @@ static hdr_facts plausible_facts(int scene) {
     facts.max_component = facts.max_luminance = high;
     facts.min_positive_component = facts.min_lit = low;
     facts.log_average = facts.lit ? sqrt(low) * sqrt(high) : 0;
+    facts.shifted_average = facts.log_average + 1;
     for (int i = 0; i < HDR_MAX_PERCENTILES; i++)
         facts.percentile[i] = i ? high : low;
     for (int c = 0; c < 3; c++)
@@ -190,6 +191,28 @@ static void check_curve(const char *name, const hdr_step *step) {
     check_rows(name, step, values, exact);
 }
 
+/* A curve of two numbers: of luminances and surrounds of all sizes it makes neither NaN nor what is negative, 0 where
+ * nothing is lit, the same by rows as one by one, and no less of more light in the same surround. */
+static void check_local(const char *name, const hdr_step *step) {
+    double values[CURVE_VALUES], surround[CURVE_VALUES], rows[CURVE_VALUES];
+    draw_values(step, values);
+    for (size_t i = 0; i < CURVE_VALUES; i++)
+        surround[i] = i % 16 ? law_random_log(0x1p-149, FLT_MAX) : 0;
+    memcpy(rows, values, sizeof rows);
+    step->local->rows(&step->constants, rows, surround, CURVE_VALUES);
+    size_t wrong = 0, different = 0, fall = 0;
+    for (size_t i = 0; i < CURVE_VALUES; i++) {
+        double exact = step->local->exact(&step->constants, values[i], surround[i]);
+        wrong += !(exact >= 0) || (values[i] <= 0 && exact != 0);
+        different += !same_double(exact, rows[i]);
+        fall +=
+            i > 0 && step->local->exact(&step->constants, values[i - 1], surround[i]) > exact * (1 + 4 * DBL_EPSILON);
+    }
+    CHECK(wrong == 0, "%s (%s): %zu results are NaN, negative, or not 0 for Y <= 0", name, step->note, wrong);
+    CHECK(different == 0, "%s (%s): rows and exact differ at %zu values", name, step->note, different);
+    CHECK(fall == 0, "%s (%s): falls at %zu values", name, step->note, fall);
+}
+
 static void test_curves(void) {
     unsigned long curves = 0;
     for (int v = 0; v < law_variant_count; v++)
@@ -208,6 +231,7 @@ static void test_curves(void) {
                   "%s: plan is not pure", variant->words);
             /* a skipped step is filled all the same: --no-skip does it */
             if (step.form != HDR_FORM_MATRIX && step.curve) check_curve(variant->words, &step), curves++;
+            if (step.form == HDR_FORM_LOCAL) check_local(variant->words, &step), curves++;
             hdr_options_free(&given);
             free(params);
         }
