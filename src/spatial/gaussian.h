@@ -3,7 +3,7 @@
 #define HDR_GAUSSIAN_H
 
 /* weight[k] = the integral of the Gaussian of standard deviation sigma from k - 1/2 to k + 1/2, k = 0 ... reach, each
- * to a few units in its last place, the farthest too; then divided by their sum over -reach ... reach. */
+ * right to some 2^-53 z^2 of itself, z standard deviations away; then divided by their sum over -reach ... reach. */
 void hdr_gaussian(double sigma, int reach, double *weight);
 
 /* The least reach, no less than `deviations` standard deviations, for which no more than `rest` of the Gaussian's mass

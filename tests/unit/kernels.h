@@ -76,7 +76,7 @@ static inline bool guards_stand(const guarded *room, size_t used_bytes) {
     return untouched(room->bytes, room->start) && untouched(room->start + used_bytes, room->bytes + sizeof room->bytes);
 }
 
-static guarded room, other_room, third_room;
+static guarded room __attribute__((unused)), other_room __attribute__((unused)), third_room __attribute__((unused));
 
 /* What is kept of a value between verbs. */
 static inline double plain_hold(double value) {
