@@ -60,10 +60,11 @@ help_line() {
     "$hdr" "$verb" --help | grep -E "^ *(-., )?$1( |\$)"
 }
 
-# An option of one mode only needs the option that chooses the mode: one word of each option that has words.
+# An option of one mode only needs the option that chooses the mode: a flag, or one word of each option that has words.
 modes() {
     for chooser in $("$hdr" help --options "$verb" | sed 's/ .*//'); do
         [ "$chooser" = "$1" ] && continue
+        help_line "$chooser" | grep -qE -- "^ *(-., )?$chooser [^ ]" || printf '%s\n' "$chooser"
         for word in $(help_line "$chooser" | sed -n 's/.*(\([a-z0-9, ]* or [a-z0-9]*\); default .*/\1/p' | sed 's/ or / /; s/,//g'); do
             printf '%s=%s\n' "$chooser" "$word"
         done

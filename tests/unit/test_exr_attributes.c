@@ -330,5 +330,5 @@ int main(void) {
     test_record(&file);
     test_converted(&file);
     free(file.data);
-    return check_done("unit/test_exr_attributes");
+    return check_done("test_exr_attributes");
 }
