@@ -103,4 +103,54 @@ done
 claim_exr 3 0 Y
 refused 'rows 99999984 to 99999999: they are missing' picture_from_file clamp : png --crop 0,99999990,16,3
 
+# ---- Headers of text ---------------------------------------------------------------------------------------------
+
+# letters COUNT: as many of the letter a.
+letters() {
+    head -c "$1" /dev/zero | tr '\0' a
+}
+
+claim=$work/claim.hdr
+pixels() { printf '\n-Y 1 +X 1\n\200\200\200\201'; }
+{ printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n#' && letters 65535 && printf '\n' && pixels; } >"$claim"
+expect_status 0 'a line of 64 KiB' "$hdr" png -o "$work/a.png" "$claim"
+{ printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n#' && letters 65536 && printf '\n' && pixels; } >"$claim"
+refused 'a line is too long' picture_from_file png
+{ printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n' && letters 1000000 | fold -w 100 && printf '\n' && pixels; } >"$claim"
+expect_status 0 'a header of a megabyte' "$hdr" png -o "$work/a.png" "$claim"
+{ printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n' && letters 1048576 | fold -w 100 && printf '\n' && pixels; } >"$claim"
+refused 'it is longer than 1 MiB' picture_from_file png
+
+# what has no end, up to 100 MB
+for first in '#?RADIANCE\n' '#?'; do
+    # shellcheck disable=SC2059 # the words hold an end of line
+    { printf "$first" && letters 100000000; } >"$claim"
+    refused 'a line is too long' picture_from_file png
+    refused 'a line is too long' picture_piped png
+    refused 'a line is too long' from_file info "$claim"
+done
+{ printf '#?RADIANCE\n' && letters 100000000 | fold -w 60000; } >"$claim"
+refused 'it is longer than 1 MiB' picture_from_file png
+refused 'it is longer than 1 MiB' picture_piped png
+
+claim=$work/claim.pfs
+pfs() {
+    printf 'PFS1\n1 1\n1\n%d\n' "$1"
+    letters $(($1 * 2000)) | fold -w 2000 | sed 's/^a/a=/'
+    printf '\nY\n0\nENDH\0\0\200\077'
+}
+pfs 500 >"$claim"
+expect_status 0 'PFS: a megabyte of tags' "$hdr" png -o "$work/a.png" "$claim"
+pfs 1000 >"$claim"
+refused 'it is longer than 1 MiB' picture_from_file png
+for first in 'PFS1\n' 'PFS1\n1 1\n1\n1\na='; do
+    # shellcheck disable=SC2059 # the words hold ends of lines
+    { printf "$first" && letters 100000000; } >"$claim"
+    refused 'a line is too long' picture_piped png
+done
+claim=$work/claim.pfm
+{ printf 'PF\n' && letters 100000000; } >"$claim"
+refused 'PFM begins with' picture_piped png
+refused 'PFM begins with' picture_from_file png
+
 finish test_claims
