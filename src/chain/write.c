@@ -16,7 +16,7 @@ typedef struct writing {
     bool may_be_grey;             /* the format stores one plane where the picture is grey */
     hdr_bytes attributes, record; /* what the frame points to */
     hdr_sink *sink;
-    int *first_row; /* bands: band i is the frame's rows first_row[i] ... first_row[i+1]-1 */
+    int64_t first_end, step; /* bands: the frame's row behind the first; rows of those that follow, but the last */
     int bands;
     int tail; /* first of the steps that the table stands for; all steps before are done by rows */
     bool tabulated;
@@ -26,13 +26,16 @@ typedef struct writing {
 
 /* ---- Bands ---- */
 
-static void add_band(writing *w, int64_t row) {
-    if (row > w->first_row[w->bands] && row < w->frame.height) w->first_row[++w->bands] = (int)row;
+/* The frame's row at which a band begins; that of a band behind the last is the frame's height. */
+static int first_of_band(const writing *w, int band) {
+    int64_t row = band == 0 ? 0 : w->first_end + (band - 1) * w->step;
+    return (int)(row < w->frame.height ? row : w->frame.height);
 }
 
 /* Bands follow the source's blocks where the format leaves it open, so that each block is decoded by one thread, once.
- * Rows without pixels, above and below, come in bands of the same height. */
-static hdr_status cut_bands(writing *w, hdr_error *err) {
+ * Rows without pixels, above and below, come in bands of the same height. No list of them is made: a header may claim
+ * millions. */
+static void cut_bands(writing *w) {
     const hdr_source *source = w->run->source;
     int multiple = w->sink->band_multiple, height = w->frame.height;
     int64_t step = source->block_rows;
@@ -41,14 +44,9 @@ static hdr_status cut_bands(writing *w, hdr_error *err) {
     int64_t first_block = (int64_t)source->picture.data.min_y - source->rows_cut - w->frame.data.min_y;
     int64_t offset = multiple > 1 ? 0 : first_block % step;
     if (offset < 0) offset += step;
-    free(w->first_row);
-    w->first_row = hdr_alloc((size_t)(height / step) + 4, sizeof *w->first_row);
-    if (!w->first_row) return hdr_fail(err, HDR_INTERNAL, "out of memory");
-    w->bands = 0;
-    for (int64_t row = offset; row < height; row += step)
-        add_band(w, row);
-    w->first_row[++w->bands] = height;
-    return HDR_OK;
+    w->step = step;
+    w->first_end = offset ? offset : step;
+    w->bands = w->first_end < height ? (int)((height - w->first_end - 1) / step) + 2 : 1;
 }
 
 /* ---- An attempt ---- */
@@ -128,13 +126,8 @@ static hdr_status begin_attempt(void *context, int *items, hdr_error *err) {
     w->frame.alpha = w->format->format->alpha && picture->has_alpha && (!run->raw.opaque || has_border(w));
     w->sink = w->format->format->create(w->params, w->output, &w->frame, err);
     if (!w->sink) return err->status;
-    status = cut_bands(w, err);
-    if (status) return status;
-    int tallest = 0;
-    for (int b = 0; b < w->bands; b++) {
-        int rows = w->first_row[b + 1] - w->first_row[b];
-        tallest = rows > tallest ? rows : tallest;
-    }
+    cut_bands(w);
+    int64_t tallest = w->step < w->frame.height ? w->step : w->frame.height;
     for (int t = 0; t < run->thread_count; t++) {
         run->threads[t].samples = hdr_alloc((size_t)tallest, hdr_frame_row_bytes(&w->frame));
         if (!run->threads[t].samples) return hdr_fail(err, HDR_INTERNAL, "out of memory");
@@ -292,7 +285,7 @@ static bool make_band(const writing *w, int thread, int first, int end, hdr_erro
 static hdr_status band_job(void *context, int band, int thread, hdr_error *err) {
     writing *w = context;
     hdr_thread *mine = &w->run->threads[thread];
-    int first = w->first_row[band], end = w->first_row[band + 1];
+    int first = first_of_band(w, band), end = first_of_band(w, band + 1);
     if (!make_band(w, thread, first, end, err)) return err->status;
     hdr_status status = w->sink->pack(w->sink, mine->packer, first, end - first, mine->samples, err);
     if (status || !hdr_pool_enter(w->run->pool, band)) return status;
@@ -429,7 +422,6 @@ hdr_status hdr_run_write(hdr_run *run, const hdr_verb *format, const void *param
     if (!status) explain_tail(&w);
     if (!status) report_hidden(run);
     close_sink(&w);
-    free(w.first_row);
     free(w.table);
     free(w.half_codes);
     free(w.attributes.data);

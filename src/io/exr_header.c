@@ -240,7 +240,7 @@ static hdr_status use_channels(const char *name, hdr_exr_header *header, const h
 
 /* ---- In all ---- */
 
-/* Where the part's chunk table begins, and where all tables end. */
+/* Where the part's chunk table begins, and where all tables begin and end. */
 static hdr_status find_tables(const char *name, hdr_exr_header *header, int number, hdr_error *err) {
     const hdr_exr_file *file = &header->headers->file;
     const hdr_exr_part *part = &file->parts[number];
@@ -254,6 +254,7 @@ static hdr_status find_tables(const char *name, hdr_exr_header *header, int numb
                         number, (unsigned long long)part->chunk_count, (unsigned long long)header->all_chunks);
     if (!file->multi_part) entries = header->all_chunks;
     header->table_offset = file->tables + 8 * (before + header->first_chunk);
+    header->tables = file->tables;
     header->tables_end = file->tables + 8 * entries;
     return HDR_OK;
 }

@@ -21,7 +21,8 @@ typedef struct hdr_exr_header {
     uint64_t first_chunk;  /* number of the level's first chunk among all of the part */
     uint64_t all_chunks;   /* of the part, over all levels */
     uint64_t table_offset; /* where the level's entries of the chunk table begin */
-    uint64_t tables_end;   /* where the tables of all parts end: chunks stand behind it */
+    uint64_t tables;       /* where the tables of all parts begin */
+    uint64_t tables_end;   /* and where they end: chunks stand behind it */
     exr_context_t context; /* the library's view of it, which its decoders want to see */
     int index[4];          /* of the picture's channels in list; -1: there is none */
     bool sampled;          /* some channel of the file is subsampled: lines differ in length, `before` is of no use */

@@ -15,18 +15,17 @@
 
 enum {
     LEAST_BLOCK_ROWS = 16,
-    TABLE_STEP = 64 * 1024, /* entries of the chunk table read at once */
-    LEADER_PART = 4,        /* bytes in front of a chunk: in a multi-part file the part's number, */
-    LEADER_LINES = 8,       /* then of lines: the first line, the packed size */
-    LEADER_TILE = 20        /* or of a tile: across, down, level across, level down, the packed size */
+    ENTRIES = 1024,   /* of the chunk table that a worker holds: at least a block of lines has, which is 16 */
+    LEADER_PART = 4,  /* bytes in front of a chunk: in a multi-part file the part's number, */
+    LEADER_LINES = 8, /* then of lines: the first line, the packed size */
+    LEADER_TILE = 20  /* or of a tile: across, down, level across, level down, the packed size */
 };
 
 struct exr_source {
     hdr_source base;
     hdr_input *input;
     hdr_exr_header header;
-    uint64_t *table; /* where each chunk begins */
-    int64_t chunks;  /* of the level */
+    int64_t chunks; /* of the level */
     int64_t tiles_across;
     size_t row_bytes;      /* of a row over all channels of the file; where some are subsampled, at most */
     bool in_place[4];      /* a plane's rows are aligned where a chunk of lines has them */
@@ -41,6 +40,8 @@ struct buffer {
 
 struct exr_worker {
     hdr_exr_unpacker *unpacker;
+    uint64_t entry[ENTRIES]; /* of the chunk table, those from first_entry on: where chunks begin */
+    int64_t first_entry, entries;
     struct buffer packed;
     struct buffer chunk;  /* a tile's pixels, or a block of lines */
     struct buffer planes; /* planes that cannot be used where they were decoded */
@@ -104,12 +105,56 @@ static hdr_status read_bytes(struct exr_source *source, const hdr_exr_chunk *chu
     return HDR_OK;
 }
 
-/* Checks what stands in front of the chunk, and sets its packed size and the offset of its packed bytes. */
-static hdr_status read_leader(struct exr_source *source, hdr_exr_chunk *chunk, uint64_t *offset, hdr_error *err) {
+/* Makes sure that the chunk table is there. What a pipe has sent is held in memory. */
+static hdr_status await_table(struct exr_source *source, uint64_t memory, hdr_error *err) {
+    const char *name = hdr_input_name(source->input);
+    const hdr_exr_header *header = &source->header;
+    int64_t file_size = hdr_input_size(source->input);
+    uint64_t size = (uint64_t)source->chunks * 8;
+    if (file_size >= 0 &&
+        (header->table_offset > (uint64_t)file_size || size > (uint64_t)file_size - header->table_offset))
+        return hdr_fail(err, HDR_BAD_DATA, "%s: the header asks for %lld x %lld pixels, more than the file can hold",
+                        name, (long long)header->width, (long long)header->height);
+    uint64_t tables = header->tables_end - header->tables;
+    if (file_size < 0 && tables > memory)
+        return hdr_fail(err, HDR_BAD_DATA,
+                        "%s: the header asks for %llu chunks: from a pipe, their table does not fit the memory allowed",
+                        name, (unsigned long long)tables / 8);
+    unsigned char last;
+    int64_t count = hdr_input_read(source->input, &last, 1, header->table_offset + size - 1, err);
+    if (count < 0) return HDR_IO;
+    return count == 1 ? HDR_OK : hdr_fail(err, HDR_BAD_DATA, "%s: the file ends within its chunk table", name);
+}
+
+/* Finds where chunks index ... index + count - 1 begin; count is at most ENTRIES. The table is read piece by piece
+ * where it is wanted: what is held of it, and looked at, does not grow with what a header claims. */
+static hdr_status find_chunks(struct exr_source *source, struct exr_worker *worker, int64_t index, int64_t count,
+                              const uint64_t **places, hdr_error *err) {
+    if (index < worker->first_entry || index + count > worker->first_entry + worker->entries) {
+        int64_t left = source->chunks - index, wanted = left < ENTRIES ? left : ENTRIES;
+        worker->first_entry = index;
+        worker->entries = 0;
+        int64_t bytes = hdr_input_read(source->input, worker->entry, (uint64_t)wanted * 8,
+                                       source->header.table_offset + 8 * (uint64_t)index, err);
+        if (bytes < 0) return HDR_IO;
+        if (bytes / 8 < count)
+            return hdr_fail(err, HDR_BAD_DATA, "%s: the file ends within its chunk table",
+                            hdr_input_name(source->input));
+        worker->entries = bytes / 8;
+        for (int64_t i = 0; i < worker->entries; i++)
+            worker->entry[i] = hdr_little_endian_64((const unsigned char *)&worker->entry[i]);
+    }
+    *places = worker->entry + (index - worker->first_entry);
+    return HDR_OK;
+}
+
+/* Checks what stands in front of the chunk that begins at a place, and sets its packed size and the offset of its
+ * packed bytes. */
+static hdr_status read_leader(struct exr_source *source, hdr_exr_chunk *chunk, uint64_t at, uint64_t *offset,
+                              hdr_error *err) {
     const hdr_exr_header *header = &source->header;
     unsigned char bytes[LEADER_PART + LEADER_TILE];
     size_t size = leader_size(header);
-    uint64_t at = source->table[chunk->index];
     if (at < header->tables_end)
         return chunk_fault(source, chunk, "they are missing: the file was not written to its end", err);
     hdr_status status = read_bytes(source, chunk, bytes, size, at, err);
@@ -132,30 +177,6 @@ static hdr_status read_leader(struct exr_source *source, hdr_exr_chunk *chunk, u
     return HDR_OK;
 }
 
-/* Reads the chunk table. It is enlarged only as its bytes arrive. */
-static hdr_status read_table(struct exr_source *source, hdr_error *err) {
-    const char *name = hdr_input_name(source->input);
-    int64_t file_size = hdr_input_size(source->input);
-    if (file_size >= 0 && (source->header.table_offset > (uint64_t)file_size ||
-                           (uint64_t)source->chunks > ((uint64_t)file_size - source->header.table_offset) / 8))
-        return hdr_fail(err, HDR_BAD_DATA, "%s: the header asks for %lld x %lld pixels, more than the file can hold",
-                        name, (long long)source->header.width, (long long)source->header.height);
-    for (int64_t done = 0; done < source->chunks;) {
-        int64_t step = source->chunks - done < TABLE_STEP ? source->chunks - done : TABLE_STEP;
-        uint64_t *grown = hdr_grow(source->table, (size_t)(done + step), sizeof *grown);
-        if (!grown) return hdr_fail(err, HDR_INTERNAL, "out of memory");
-        source->table = grown;
-        int64_t count = hdr_input_read(source->input, grown + done, (uint64_t)step * 8,
-                                       source->header.table_offset + 8 * (uint64_t)done, err);
-        if (count < 0) return HDR_IO;
-        if (count < step * 8) return hdr_fail(err, HDR_BAD_DATA, "%s: the file ends within its chunk table", name);
-        for (int64_t i = done; i < done + step; i++)
-            grown[i] = hdr_little_endian_64((const unsigned char *)&grown[i]);
-        done += step;
-    }
-    return HDR_OK;
-}
-
 /* ---- Decoding ---- */
 
 /* Reads a chunk and unpacks it to place bytes behind the start of the worker's chunk buffer, which room bytes are
@@ -163,7 +184,9 @@ static hdr_status read_table(struct exr_source *source, hdr_error *err) {
 static hdr_status decode_chunk(struct exr_source *source, struct exr_worker *worker, hdr_exr_chunk *chunk, size_t room,
                                size_t place, hdr_error *err) {
     uint64_t offset = 0;
-    hdr_status status = read_leader(source, chunk, &offset, err);
+    const uint64_t *at;
+    hdr_status status = find_chunks(source, worker, chunk->index, 1, &at, err);
+    if (status == HDR_OK) status = read_leader(source, chunk, *at, &offset, err);
     if (status != HDR_OK) return status;
     /* Where packing gains nothing, a writer stores the pixels as they are. (OpenEXRCore does not believe that of B44;
      * the C++ library, which wrote most files, holds to it.) */
@@ -185,9 +208,10 @@ static hdr_status decode_chunk(struct exr_source *source, struct exr_worker *wor
  * stand. False: these are not, or something is wrong with them, which reading them one by one will tell. */
 static bool read_stored_lines(struct exr_source *source, struct exr_worker *worker, const hdr_block *block) {
     size_t pitch = leader_size(&source->header) + source->row_bytes, size = pitch * (size_t)block->rows;
-    const uint64_t *table = source->table + block->first_row;
     int64_t file_size = hdr_input_size(source->input);
-    if (source->header.compression != EXR_COMPRESSION_NONE || source->header.sampled ||
+    if (source->header.compression != EXR_COMPRESSION_NONE || source->header.sampled) return false;
+    const uint64_t *table;
+    if (find_chunks(source, worker, block->first_row, block->rows, &table, NULL) != HDR_OK ||
         table[0] < source->header.tables_end)
         return false;
     for (int i = 1; i < block->rows; i++)
@@ -354,7 +378,6 @@ static hdr_status read_block(hdr_source *base, void *worker, int index, hdr_bloc
 static void close_source(hdr_source *base) {
     struct exr_source *source = (struct exr_source *)base;
     hdr_exr_header_free(&source->header);
-    free(source->table);
     free(source);
 }
 
@@ -402,7 +425,7 @@ hdr_source *hdr_exr_open(hdr_input *input, const hdr_reading *reading, hdr_error
     source->base.close = close_source;
     hdr_status status = hdr_exr_header_read(input, reading, &source->header, err);
     if (status == HDR_OK) status = lay_out(source, reading->memory, err);
-    if (status == HDR_OK) status = read_table(source, err);
+    if (status == HDR_OK) status = await_table(source, reading->memory, err);
     if (status != HDR_OK) {
         close_source(&source->base);
         return NULL;

@@ -162,6 +162,34 @@ static void write_colour(png_sink *self) {
     if (frame->has_chromaticities) write_chromaticities(self);
 }
 
+/* Small whole numbers that are as 1 : aspect: the first convergent of a continued fraction that gives the float itself.
+ * False: one is too large for the chunk, or the aspect is no ratio. */
+static bool small_ratio(float aspect, png_uint_32 ratio[2]) {
+    bool wide = aspect >= 1;
+    double rest = wide ? (double)aspect : 1 / (double)aspect; /* large : small */
+    double large = 1, small = 0, large_before = 0, small_before = 1;
+    do {
+        double whole = floor(rest), next_large = whole * large + large_before,
+               next_small = whole * small + small_before;
+        if (!(next_large >= 1 && next_large <= PNG_UINT_31_MAX)) return false;
+        large_before = large;
+        small_before = small;
+        large = next_large;
+        small = next_small;
+        rest = 1 / (rest - whole);
+    } while ((float)(wide ? large / small : small / large) != aspect);
+    ratio[0] = (png_uint_32)(wide ? small : large);
+    ratio[1] = (png_uint_32)(wide ? large : small);
+    return true;
+}
+
+/* A pixel's width over its height, as the pixels that a length holds across and down. */
+static void set_aspect(png_sink *self) {
+    png_uint_32 density[2];
+    if (self->sink.frame.pixel_aspect != 1 && small_ratio(self->sink.frame.pixel_aspect, density))
+        png_set_pHYs(self->png, self->info, density[0], density[1], PNG_RESOLUTION_UNKNOWN);
+}
+
 static void set_significant_bits(png_sink *self) {
     const hdr_frame *frame = &self->sink.frame;
     if (frame->bits >= frame_depth(frame)) return;
@@ -178,6 +206,7 @@ static void write_head(png_sink *self) {
     png_set_IHDR(self->png, self->info, (png_uint_32)frame->width, (png_uint_32)frame->height, frame_depth(frame),
                  colour, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     set_significant_bits(self);
+    set_aspect(self);
     if (strcmp(frame->state, "srgb") == 0 && !frame->has_chromaticities)
         png_set_sRGB_gAMA_and_cHRM(self->png, self->info, PNG_sRGB_INTENT_PERCEPTUAL);
     png_write_info_before_PLTE(self->png, self->info);

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BLOCK_ROWS = 16, LINE_STEP = 128 };
+enum { BLOCK_ROWS = 16, LINE_STEP = 128, LINE_MOST = 64 * 1024, HEADER_MOST = 1024 * 1024 };
 
 /* ---- The header ---- */
 
@@ -18,6 +18,8 @@ hdr_status hdr_header_fault(const hdr_input *input, const char *what, hdr_error 
 hdr_status hdr_lines_next(hdr_lines *lines, bool cut, hdr_error *err) {
     char step[LINE_STEP];
     size_t length = 0;
+    uint64_t start = lines->offset;
+    if (start > HEADER_MOST) return hdr_header_fault(lines->input, "it is longer than 1 MiB", err);
     for (;;) {
         int64_t count = hdr_input_read(lines->input, step, sizeof step, lines->offset, err);
         if (count < 0) return HDR_IO;
@@ -26,7 +28,8 @@ hdr_status hdr_lines_next(hdr_lines *lines, bool cut, hdr_error *err) {
         const char *end = memchr(step, '\n', (size_t)count);
         size_t size = end ? (size_t)(end - step) : (size_t)count;
         size_t room = sizeof lines->text - 1 - length, taken = size < room ? size : room;
-        if (taken < size && !cut) return hdr_header_fault(lines->input, "a line is too long", err);
+        if ((taken < size && !cut) || lines->offset + size - start > LINE_MOST)
+            return hdr_header_fault(lines->input, "a line is too long", err);
         memcpy(lines->text + length, step, taken);
         length += taken;
         lines->text[length] = '\0';

@@ -14,8 +14,8 @@ typedef struct hdr_lines {
     char text[2048]; /* the last line, without its end */
 } hdr_lines;
 
-/* Reads the next line into lines->text. A line that is longer than that: HDR_BAD_DATA, or cut where long ones are
- * allowed. So is the end of the file before the line's. */
+/* Reads the next line into lines->text. HDR_BAD_DATA: it is longer than that, or, where long ones are cut, than 64 KiB;
+ * it begins behind the file's first MiB; the file ends within it. A pipe may send what has no end. */
 hdr_status hdr_lines_next(hdr_lines *lines, bool cut, hdr_error *err);
 
 /* A whole number from 0 to INT32_MAX at *text, behind any spaces; *text moves behind it. False: there is none. */

@@ -53,7 +53,9 @@ const hdr_verb hdr_verb_png = {
              "converted. Alpha is stored unassociated, as PNG wants it, and is left out where it is 1 everywhere.\n\n"
              "The colour chunks tell what was done: sRGB, gAMA and cHRM after the sRGB curve, gAMA after gamma, gAMA "
              "100000 for values "
-             "that were left linear.",
+             "that were left linear. Where the file's pixels are not square (pixelAspectRatio, PIXASPECT), a pHYs "
+             "chunk "
+             "tells the ratio of their sides, and no row is stretched.",
          .examples = examples,
          .options = options,
          .kind = HDR_FORMAT},

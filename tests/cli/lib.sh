@@ -87,6 +87,45 @@ is_exr() {
     [ "$(head -c 4 "$1" | od -An -tx1 | tr -d ' \n')" = 762f3101 ]
 }
 
+# little NUMBER: four bytes for printf.
+little() {
+    printf '\\%03o\\%03o\\%03o\\%03o' $(($1 & 255)) $(($1 >> 8 & 255)) $(($1 >> 16 & 255)) $(($1 >> 24 & 255))
+}
+
+# Compiles $work/measure FILE COMMAND...: it writes "KILOBYTES MILLISECONDS" into FILE, and ends as the command did.
+compile_measure() {
+    cat >"$work/measure.c" <<'END'
+#include <stdio.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+int main(int count, char **words) {
+    struct timespec from, to;
+    struct rusage usage;
+    int status;
+    (void)count;
+    clock_gettime(CLOCK_MONOTONIC, &from);
+    pid_t child = fork();
+    if (child == 0) {
+        execv(words[2], words + 2);
+        _exit(127);
+    }
+    if (child < 0 || wait4(child, &status, 0, &usage) != child) return 126;
+    clock_gettime(CLOCK_MONOTONIC, &to);
+    FILE *file = fopen(words[1], "w");
+    if (!file) return 126;
+    fprintf(file, "%ld %ld\n", usage.ru_maxrss, (to.tv_sec - from.tv_sec) * 1000 + (to.tv_nsec - from.tv_nsec) / 1000000);
+    if (fclose(file) != 0) return 126;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+END
+    measured=yes
+    # shellcheck disable=SC2086 # it may hold options
+    $CC -std=c11 -D_DEFAULT_SOURCE -o "$work/measure" "$work/measure.c" || measured=
+    check 'the measuring program compiles' test -n "$measured"
+}
+
 # finish NAME: the line that the test runner reads. As the last command it gives the script its status.
 finish() {
     printf '%s: %d passed, %d failed' "$1" "$passed" "$failed"

@@ -98,37 +98,7 @@ not_read deep_trunks.exr 'deep data'
 
 # ---- Damaged files -----------------------------------------------------------------------------------------------
 
-# measure FILE COMMAND...: writes "KILOBYTES MILLISECONDS" into FILE, and ends as the command did.
-cat >"$work/measure.c" <<'END'
-#include <stdio.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <time.h>
-#include <unistd.h>
-int main(int count, char **words) {
-    struct timespec from, to;
-    struct rusage usage;
-    int status;
-    (void)count;
-    clock_gettime(CLOCK_MONOTONIC, &from);
-    pid_t child = fork();
-    if (child == 0) {
-        execv(words[2], words + 2);
-        _exit(127);
-    }
-    if (child < 0 || wait4(child, &status, 0, &usage) != child) return 126;
-    clock_gettime(CLOCK_MONOTONIC, &to);
-    FILE *file = fopen(words[1], "w");
-    if (!file) return 126;
-    fprintf(file, "%ld %ld\n", usage.ru_maxrss, (to.tv_sec - from.tv_sec) * 1000 + (to.tv_nsec - from.tv_nsec) / 1000000);
-    if (fclose(file) != 0) return 126;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-}
-END
-measured=yes
-# shellcheck disable=SC2086 # it may hold options
-$CC -std=c11 -D_DEFAULT_SOURCE -o "$work/measure" "$work/measure.c" || measured=
-check 'the measuring program compiles' test -n "$measured"
+compile_measure
 
 damaged_file() { timeout 10 "$work/measure" "$work/used" "$hdr" "$1" -o "$work/out/a.png" "$2"; }
 damaged_pipe() { timeout 10 cat "$2" | timeout 10 "$work/measure" "$work/used" "$hdr" "$1" -o "$work/out/a.png"; }

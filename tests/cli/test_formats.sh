@@ -71,6 +71,27 @@ head -c 3000 "$work/direct.pfs" >"$work/short.pfs"
 expect_status 65 'a PFS that is cut off' "$hdr" png -o "$work/short.png" "$work/short.pfs"
 check 'a PFS that is cut off: one line' one_line_with short.pfs
 
+# ---- Pixels that are not square ----------------------------------------------------------------------------------
+
+# shape FILE: what a PNG's pHYs chunk says: pixels across and down, the unit
+shape() {
+    at=$(LC_ALL=C grep -abo pHYs "$1" | cut -d: -f1)
+    if [ -n "$at" ]; then od -An -v -tu1 -j$((at + 4)) -N9 "$1" | tr -s ' \n' ' '; fi
+}
+expect_status 0 'square pixels' "$hdr" png -o "$work/square.png" "$picture"
+check 'square pixels: no word' test -z "$(shape "$work/square.png")"
+cp "$picture" "$work/wide.exr"
+at=$(LC_ALL=C grep -abo pixelAspectRatio "$work/wide.exr" | cut -d: -f1)
+printf '\000\000\300\077' | dd of="$work/wide.exr" bs=1 seek=$((at + 27)) conv=notrunc 2>"$work/dd" # 1.5
+for chain in png 'exp : png --bits 16' 'expose : png'; do
+    # shellcheck disable=SC2086 # they are several words
+    expect_status 0 "EXR, $chain" "$hdr" $chain -o "$work/wide.png" "$work/wide.exr"
+    check "EXR, $chain: 2 across are as long as 3 down" test "$(shape "$work/wide.png")" = ' 0 0 0 2 0 0 0 3 0 '
+done
+sed '1,/^$/s/^FORMAT=/PIXASPECT=1.5\n&/' "$work/direct.hdr" >"$work/high.hdr"
+expect_status 0 'Radiance HDR' "$hdr" png -o "$work/high.png" "$work/high.hdr"
+check 'Radiance HDR: 3 across are as long as 2 down' test "$(shape "$work/high.png")" = ' 0 0 0 3 0 0 0 2 0 '
+
 # ---- Other programs ----------------------------------------------------------------------------------------------
 
 # within LIMIT A B: oiiotool finds no component further apart

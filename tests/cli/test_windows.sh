@@ -7,11 +7,6 @@ same_bytes() {
     cmp -s "$1" "$2"
 }
 
-# little NUMBER: four bytes for printf.
-little() {
-    printf '\\%03o\\%03o\\%03o\\%03o' $(($1 & 255)) $(($1 >> 8 & 255)) $(($1 >> 16 & 255)) $(($1 >> 24 & 255))
-}
-
 # show FILE X0 Y0 X1 Y1: makes that the file's display window.
 show() {
     at=$(LC_ALL=C grep -abo displayWindow "$1" | cut -d: -f1)
