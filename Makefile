@@ -3,6 +3,7 @@
 #   make [all]   builds $(BUILD)/hdr and $(BUILD)/libhdrpipe.a
 #   make demo    tone maps a picture of testdata to $(BUILD)/demo.png
 #   make check   builds and runs all tests; the last line counts them
+#   make bench   times it beside other tools [FILE=a large EXR]
 #   make lint    formatting, warnings of gcc and clang, man pages, shell scripts
 #   make install PREFIX=/usr/local DESTDIR=
 #

@@ -52,4 +52,10 @@ check: check-deps
 .PHONY: check-built
 check-built: all $(TEST_PROGRAMS) $(CXX_TEST_PROGRAMS) $(COMPARE_EXR) $(BUILD)/tests/unit/plugin $(BUILD)/tests/laws/plugin $(BUILD)/testdata/render $(BUILD)/testdata/tiny
 	BUILD=$(BUILD) CC='$(CC)' sh tests/run.sh $(TEST_PROGRAMS) $(CXX_TEST_PROGRAMS) $(TEST_SCRIPTS)
+# Timings belong here and not in tests. FILE: a large EXR to measure with; otherwise one is made by oiiotool.
+bench: all $(BUILD)/tests/bench/scales
+	BUILD=$(BUILD) sh tests/bench/pipe.sh $(FILE)
+	BUILD=$(BUILD) sh tests/bench/reinhard.sh $(FILE)
+	$(BUILD)/tests/bench/scales
+
 include tests/oracle/oracle.mk
