@@ -4,6 +4,7 @@
 
 #include "oracle_picture.h"
 #include "oracle_real.h"
+#include "oracle_reinhard.h"
 
 #include <float.h>
 
@@ -13,6 +14,7 @@ typedef enum oracle_verb {
     ORACLE_EXPOSE,
     ORACLE_LOG,
     ORACLE_EXP,
+    ORACLE_REINHARD,
     ORACLE_GAMMA,
     ORACLE_SRGB,
     ORACLE_QUANTISE,
@@ -21,11 +23,29 @@ typedef enum oracle_verb {
 
 typedef enum oracle_mode { ORACLE_SHIFTED, ORACLE_RANGE, ORACLE_LITERAL } oracle_mode;
 
+/* What reinhard takes for white: the largest L, none, what was typed, or what --key estimate says. */
+typedef enum oracle_white {
+    ORACLE_WHITE_LARGEST,
+    ORACLE_WHITE_NONE,
+    ORACLE_WHITE_TYPED,
+    ORACLE_WHITE_ESTIMATED
+} oracle_white;
+
+/* What reinhard --local knows of each pixel. */
+typedef struct oracle_local {
+    double *surround; /* V_m, in units of Y */
+    double *margin;
+    unsigned char *chosen;
+    double scale;   /* Y times this is L */
+    double largest; /* the largest L */
+} oracle_local;
+
 typedef struct oracle_step {
     oracle_verb verb;
     oracle_mode mode;
-    bool automatic, decode, per_channel, of_luminance;
+    bool automatic, decode, per_channel, of_luminance, is_local;
     oracle_number low, high, ev, k, saturation, exponent;
+    oracle_number key, white, delta, phi, epsilon; /* as typed: words too */
     oracle_number percentile;
     int bits;
     bool no_excuse; /* quantise: even a value exactly on a boundary has one right code */
@@ -34,6 +54,9 @@ typedef struct oracle_step {
     bool any_lit;
     long double log_average, max_luminance, maximum, smallest_positive, low_luminance, high_luminance;
     oracle_matrix matrix;
+    oracle_white white_is;
+    long double estimated_key, estimated_white; /* 0: not estimated */
+    oracle_local *local;                        /* oracle_release frees it */
 } oracle_step;
 
 #define REAL long double
@@ -82,7 +105,7 @@ typedef struct oracle_facts {
 static void oracle_pixel(const oracle_chain *chain, int steps, size_t pixel, long double c[3]) {
     long double nearest = 1;
     wide_read(chain->picture, pixel, c);
-    wide_walk(chain->steps, steps, chain->picture->planes, c, &nearest);
+    wide_walk(chain->steps, steps, chain->picture->planes, pixel, c, &nearest);
 }
 
 /* Adds without losing what rounds off (Neumaier). */
@@ -231,6 +254,11 @@ static oracle_step oracle_default_step(oracle_verb verb) {
                          .ev = NUMBER(0.),
                          .saturation = NUMBER(1.),
                          .exponent = NUMBER(2.2),
+                         .key = NUMBER(0.18),
+                         .white = {"by-key", 0},
+                         .delta = NUMBER(0.),
+                         .phi = NUMBER(8.),
+                         .epsilon = NUMBER(0.05),
                          .percentile = verb == ORACLE_DIVMAX ? NUMBER(100.) : NUMBER(0.1),
                          .bits = 8};
 }
@@ -252,6 +280,11 @@ static int oracle_parse_option(oracle_chain *chain, oracle_step *step, const cha
         {"--exponent", offsetof(oracle_step, exponent)},
         {"--saturation", offsetof(oracle_step, saturation)},
         {"-g", offsetof(oracle_step, exponent)},
+        {"--key", offsetof(oracle_step, key)},
+        {"--white", offsetof(oracle_step, white)},
+        {"--delta", offsetof(oracle_step, delta)},
+        {"--phi", offsetof(oracle_step, phi)},
+        {"--epsilon", offsetof(oracle_step, epsilon)},
         {"--percentile", offsetof(oracle_step, percentile)},
     };
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
@@ -262,9 +295,10 @@ static int oracle_parse_option(oracle_chain *chain, oracle_step *step, const cha
     bool *const flag = !strcmp(word, "--auto")          ? &step->automatic
                        : !strcmp(word, "--decode")      ? &step->decode
                        : !strcmp(word, "--per-channel") ? &step->per_channel
+                       : !strcmp(word, "--local")       ? &step->is_local
                                                         : NULL;
     if (flag) *flag = true;
-    if (flag) return 1;
+    if (flag || !strcmp(word, "--reference")) return 1;
     if (!strcmp(word, "--of"))
         step->of_luminance = !strcmp(value, "luminance");
     else if (!strcmp(word, "--mode"))
@@ -313,11 +347,76 @@ static void oracle_convert_primaries(oracle_chain *chain) {
     chain->weights = (oracle_weights){.rec709 = true};
 }
 
+/* --delta D: exp(mean of ln(D + max(Y,0)) over all pixels). */
+static long double oracle_delta_average(const oracle_chain *chain, long double delta) {
+    const oracle_picture *picture = chain->picture;
+    long double sum = 0, rest = 0;
+    for (size_t i = 0; i < picture->pixels; i++) {
+        long double c[3];
+        oracle_pixel(chain, chain->count, i, c);
+        long double y = wide_luminance(&chain->weights, picture->planes, c);
+        oracle_accumulate(&sum, &rest, logl(delta + fmaxl(y, 0)));
+    }
+    return expl((sum + rest) / (long double)picture->pixels);
+}
+
+/* --key estimate: key = 0.18 * 4^((2 log2 Yavg - log2 Ymin - log2 Ymax) / (log2 Ymax - log2 Ymin)),
+ * white = 1.5 * 2^(log2 Ymax - log2 Ymin - 5); Ymin = Ymax: key 0.18, white auto. */
+static void oracle_estimate(const oracle_chain *chain, oracle_step *step) {
+    oracle_values values = oracle_take_values(chain, ORACLE_LIT);
+    long double darkest = oracle_percentile(&values, "1", false), brightest = oracle_percentile(&values, "99", false);
+    oracle_values_free(&values);
+    step->key = NUMBER(0.18);
+    if (darkest == brightest) return;
+    long double low = log2l(darkest), high = log2l(brightest);
+    step->estimated_key = 0.18L * powl(4, (2 * log2l(step->log_average) - low - high) / (high - low));
+    step->estimated_white = 1.5L * exp2l(high - low - 5);
+}
+
+/* Luminance, 0 where nothing is lit, and what surrounds it. Pictures too big for the direct sum go by axes. */
+static oracle_local *oracle_take_local(const oracle_chain *chain, const oracle_step *step) {
+    enum { DIRECTLY = 5000 };
+    const oracle_picture *picture = chain->picture;
+    double *plane = oracle_alloc(picture->pixels, sizeof *plane);
+    oracle_local *local = oracle_alloc(1, sizeof *local);
+    local->surround = oracle_alloc(picture->pixels, sizeof *local->surround);
+    local->margin = oracle_alloc(picture->pixels, sizeof *local->margin);
+    local->chosen = oracle_alloc(picture->pixels, sizeof *local->chosen);
+    for (size_t i = 0; i < picture->pixels; i++) {
+        long double c[3];
+        oracle_pixel(chain, chain->count, i, c);
+        plane[i] = (double)fmaxl(wide_luminance(&chain->weights, picture->planes, c), 0);
+    }
+    long double key = wide_key(step);
+    local->scale = (double)(key / step->log_average);
+    local->largest = (double)(key / step->log_average * step->max_luminance);
+    bool direct = picture->pixels <= DIRECTLY || picture->width == 1 || picture->height == 1;
+    oracle_surround_by(direct ? oracle_blur_directly : oracle_blur_by_axes, plane, picture->width, picture->height,
+                       local->scale, (double)key, (double)step->phi.value, (double)step->epsilon.value, local->surround,
+                       local->chosen, local->margin);
+    free(plane);
+    return local;
+}
+
+/* The rest of reinhard's facts. What is typed for white or delta holds beside --key estimate. */
+static void oracle_fill_reinhard(const oracle_chain *chain, oracle_step *step) {
+    const char *white = step->white.text;
+    if (!step->any_lit) return;
+    if (step->delta.value > 0) step->log_average = oracle_delta_average(chain, step->delta.value);
+    if (!strcmp(step->key.text, "estimate")) oracle_estimate(chain, step);
+    bool by_key = !strcmp(white, "by-key");
+    step->white_is = by_key && step->estimated_white > 0 ? ORACLE_WHITE_ESTIMATED
+                     : by_key || !strcmp(white, "auto")  ? ORACLE_WHITE_LARGEST
+                     : !strcmp(white, "inf")             ? ORACLE_WHITE_NONE
+                                                         : ORACLE_WHITE_TYPED;
+    if (step->is_local) step->local = oracle_take_local(chain, step);
+}
+
 static void oracle_fill_facts(oracle_chain *chain, oracle_step *step) {
     bool range = step->verb == ORACLE_LOG && step->mode == ORACLE_RANGE;
     bool percentile = step->verb == ORACLE_DIVMAX && step->percentile.value < 100;
     bool wanted = step->verb == ORACLE_DIVMAX || step->verb == ORACLE_LOG || step->verb == ORACLE_EXP ||
-                  (step->verb == ORACLE_EXPOSE && step->automatic);
+                  step->verb == ORACLE_REINHARD || (step->verb == ORACLE_EXPOSE && step->automatic);
     if (!wanted) return;
     oracle_facts facts = oracle_take_facts(chain);
     step->any_lit = facts.lit > 0;
@@ -325,6 +424,7 @@ static void oracle_fill_facts(oracle_chain *chain, oracle_step *step) {
     step->max_luminance = facts.max_luminance;
     step->smallest_positive = facts.smallest_positive;
     step->maximum = step->of_luminance ? facts.max_luminance : facts.max_component;
+    if (step->verb == ORACLE_REINHARD) oracle_fill_reinhard(chain, step);
     if (!range && !percentile) return;
     oracle_values values = oracle_take_values(chain, range                ? ORACLE_LIT
                                                      : step->of_luminance ? ORACLE_LUMINANCE
@@ -362,7 +462,8 @@ static void oracle_add_png(oracle_chain *chain, int bits) {
 }
 
 static bool oracle_add_clause(oracle_chain *chain, const char *verb, oracle_step *step) {
-    static const char *const verbs[] = {"divmax", "clamp", "expose", "log", "exp", "gamma", "srgb", "quantise"};
+    static const char *const verbs[] = {"divmax",   "clamp", "expose", "log",     "exp",
+                                        "reinhard", "gamma", "srgb",   "quantise"};
     static const char *const formats[] = {"png", "exr", "pfm"};
     for (size_t i = 0; i < sizeof verbs / sizeof verbs[0]; i++) {
         if (strcmp(verb, verbs[i]) != 0) continue;
@@ -397,6 +498,19 @@ static bool oracle_prepare(oracle_chain *chain, const oracle_picture *picture, c
     return true;
 }
 
+/* Frees what the steps hold. */
+static inline void oracle_release(oracle_chain *chain) {
+    for (int i = 0; i < chain->count; i++) {
+        oracle_local *local = chain->steps[i].local;
+        if (!local) continue;
+        free(local->surround);
+        free(local->margin);
+        free(local->chosen);
+        free(local);
+    }
+    chain->count = 0;
+}
+
 /* ---- Expected codes ---- */
 
 static const long double oracle_doubt = 1e-6L;  /* nearer to a boundary than this, in codes: exact numbers decide */
@@ -415,7 +529,7 @@ static oracle_codes oracle_exact_codes(const oracle_chain *chain, size_t pixel) 
     exact c[3];
     exact_empty();
     exact_read(chain->picture, pixel, c);
-    exact_walk(chain->steps, last, planes, c, &nearest);
+    exact_walk(chain->steps, last, planes, pixel, c, &nearest);
     codes.void_pixel = nearest < oracle_excuse;
     for (int p = 0; p < planes; p++) {
         long double distance;
@@ -431,7 +545,7 @@ static inline oracle_codes oracle_expect(const oracle_chain *chain, size_t pixel
     int planes = chain->picture->planes, last = chain->count - 1;
     long double nearest = 1, c[3];
     wide_read(chain->picture, pixel, c);
-    wide_walk(chain->steps, last, planes, c, &nearest);
+    wide_walk(chain->steps, last, planes, pixel, c, &nearest);
     for (int p = 0; p < planes; p++) {
         long double distance;
         codes.code[p] = wide_code(c[p], chain->png_bits, &distance);

@@ -59,14 +59,41 @@ static REAL OF(exponential)(const oracle_step *step, REAL y) {
     return OF(subtract)(OF(from)(0), OF(exp_minus_one)(exponent));
 }
 
-static REAL OF(tone_curve)(const oracle_step *step, REAL y) {
+/* reinhard's key: as typed, or estimated. */
+static REAL OF(key)(const oracle_step *step) {
+    return step->estimated_key > 0 ? OF(from)(step->estimated_key) : OF(number)(step->key);
+}
+
+/* L = key Y / Yavg. */
+static REAL OF(scaled)(const oracle_step *step, REAL y) {
+    return OF(divide)(OF(multiply)(OF(key)(step), y), OF(from)(step->log_average));
+}
+
+/* reinhard: Ld = L (1 + L / white^2) / (1 + L); white inf: L / (1 + L). */
+static REAL OF(photographic)(const oracle_step *step, REAL y) {
+    const REAL one = OF(from)(1), l = OF(scaled)(step, y), simple = OF(divide)(l, OF(add)(one, l));
+    if (step->white_is == ORACLE_WHITE_NONE) return simple;
+    REAL white = step->white_is == ORACLE_WHITE_LARGEST ? OF(scaled)(step, OF(from)(step->max_luminance))
+                 : step->white_is == ORACLE_WHITE_TYPED ? OF(number)(step->white)
+                                                        : OF(from)(step->estimated_white);
+    return OF(multiply)(simple, OF(add)(one, OF(divide)(OF(divide)(l, white), white)));
+}
+
+/* reinhard --local: Ld = L / (1 + V_m). */
+static REAL OF(dodged)(const oracle_step *step, size_t pixel, REAL y) {
+    REAL surround = OF(scaled)(step, OF(from)(step->local->surround[pixel]));
+    return OF(divide)(OF(scaled)(step, y), OF(add)(OF(from)(1), surround));
+}
+
+static REAL OF(tone_curve)(const oracle_step *step, size_t pixel, REAL y) {
     if (step->verb == ORACLE_EXP) return OF(exponential)(step, y);
+    if (step->verb == ORACLE_REINHARD) return step->local ? OF(dodged)(step, pixel, y) : OF(photographic)(step, y);
     return step->mode == ORACLE_RANGE ? OF(log_range)(step, y) : OF(log_shifted)(step, y);
 }
 
 /* C' = C (Ld/Y), or max(C/Y, 0)^s Ld with 0^0 = 1 (which powl and mpfr_pow both say). */
-static void OF(keep_chromaticity)(const oracle_step *step, int planes, REAL y, REAL c[3]) {
-    REAL display = OF(tone_curve)(step, y);
+static void OF(keep_chromaticity)(const oracle_step *step, int planes, size_t pixel, REAL y, REAL c[3]) {
+    REAL display = OF(tone_curve)(step, pixel, y);
     for (int i = 0; i < planes; i++) {
         REAL ratio = OF(divide)(c[i], y);
         if (step->saturation.value != 1)
@@ -75,16 +102,16 @@ static void OF(keep_chromaticity)(const oracle_step *step, int planes, REAL y, R
     }
 }
 
-static void OF(tone_map)(const oracle_step *step, int planes, REAL c[3]) {
+static void OF(tone_map)(const oracle_step *step, int planes, size_t pixel, REAL c[3]) {
     REAL zero = OF(from)(0);
     if (step->per_channel && step->any_lit) {
         for (int i = 0; i < planes; i++)
-            c[i] = OF(positive)(c[i]) ? OF(tone_curve)(step, c[i]) : zero;
+            c[i] = OF(positive)(c[i]) ? OF(tone_curve)(step, pixel, c[i]) : zero;
         return;
     }
     REAL y = OF(luminance)(&step->weights, planes, c);
     if (step->any_lit && OF(positive)(y)) {
-        OF(keep_chromaticity)(step, planes, y, c);
+        OF(keep_chromaticity)(step, planes, pixel, y, c);
         return;
     }
     for (int i = 0; i < planes; i++)
@@ -183,13 +210,14 @@ static bool OF(at_jump)(const oracle_step *step, int planes, const REAL c[3]) {
 
 /* Takes a pixel through steps. Lowers *nearest to the distance of the boundary that a quantise among them came nearest
  * to. */
-static void OF(walk)(const oracle_step *steps, int count, int planes, REAL c[3], long double *nearest) {
+static void OF(walk)(const oracle_step *steps, int count, int planes, size_t pixel, REAL c[3], long double *nearest) {
     for (int s = 0; s < count; s++) {
         const oracle_step *step = &steps[s];
-        bool tone = step->verb == ORACLE_EXP || (step->verb == ORACLE_LOG && step->mode != ORACLE_LITERAL);
+        bool tone = step->verb == ORACLE_EXP || step->verb == ORACLE_REINHARD ||
+                    (step->verb == ORACLE_LOG && step->mode != ORACLE_LITERAL);
         if (OF(at_jump)(step, planes, c)) *nearest = 0;
         if (tone)
-            OF(tone_map)(step, planes, c);
+            OF(tone_map)(step, planes, pixel, c);
         else if (step->verb == ORACLE_CONVERT)
             OF(convert)(step, c);
         for (int i = 0; i < planes; i++) {

@@ -47,6 +47,27 @@ static const char *const chains[] = {
     "exp --k 3 then png --bits 16",
     "exp --per-channel then png --bits 16",
     "exp --saturation 0.6 then png",
+    "reinhard then png",
+    "reinhard then png --bits 16",
+    "reinhard --white inf then png",
+    "reinhard --white inf then png --bits 16",
+    "reinhard --white 2.5 then png --bits 16",
+    "reinhard --key 0.72 --white auto then png --bits 16",
+    "reinhard --key 0.045 --white 0.3 then png",
+    "reinhard --key estimate then png",
+    "reinhard --key estimate then png --bits 16",
+    "reinhard --key estimate --white auto then png --bits 16",
+    "reinhard --key estimate --white 7 then quantise --bits 16 then png",
+    "reinhard --delta 0.01 then png --bits 16",
+    "reinhard --delta 1e-6 --key estimate then png",
+    "reinhard --per-channel then png --bits 16",
+    "reinhard --per-channel --white inf then png",
+    "reinhard --per-channel --key estimate then png",
+    "reinhard --saturation 0.6 then png --bits 16",
+    "reinhard --saturation 0 --white 3 then png",
+    "reinhard --saturation 1.7 then png",
+    "expose --ev -2 then reinhard --white 1.5 then quantise --bits 16 then png",
+    "exp then reinhard --key estimate then png --bits 16",
     "gamma then png",
     "gamma --exponent 1.8 then png --bits 16",
     "gamma -g 1 then png --bits 16",
@@ -86,6 +107,9 @@ static const char *const chains[] = {
     "log --mode literal then exr --type half",
     "log --mode range then exr --type half",
     "exp --saturation 0.6 then exr",
+    "reinhard then exr",
+    "reinhard --key estimate --per-channel then pfm",
+    "reinhard --white inf then exr --type half",
     "srgb then exr",
     "gamma then exr --type half",
     "gamma --decode then exr",
@@ -101,6 +125,7 @@ static const char *const chains[] = {
     "log",
     "divmax --percentile 75",
     "exp then srgb",
+    "reinhard",
 };
 
 enum {
@@ -155,6 +180,7 @@ static void check_chain(const char *name, const file_bytes *file, const oracle_p
     }
     compare(&chain, text, file, &verdict);
     CHECK(!verdict.wrong, "%s: %s: %s", name, text, verdict.why);
+    oracle_release(&chain);
     codes_compared += verdict.compared;
     codes_excused += verdict.excused;
 }
