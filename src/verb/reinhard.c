@@ -135,7 +135,11 @@ static bool estimate(const hdr_facts *facts, double average, double *key, double
     double low = hdr_log2(facts->percentile[0]), high = hdr_log2(facts->percentile[1]);
     *key = DEFAULT_KEY;
     if (!(high > low)) return false;
-    *key = DEFAULT_KEY * hdr_exp2(2 * (2 * hdr_log2(average) - low - high) / (high - low));
+    /* where the average lies outside of the two, as a few outliers can make it, the paper's limits hold: 0.045 to 0.72
+     */
+    double exponent = (2 * hdr_log2(average) - low - high) / (high - low);
+    double held = exponent < -1 ? -1 : exponent > 1 ? 1 : exponent;
+    *key = DEFAULT_KEY * hdr_exp2(2 * held);
     *white = 1.5 * hdr_exp2(high - low - 5);
     return true;
 }
@@ -233,7 +237,9 @@ static hdr_status surround(const hdr_step *step, hdr_surroundings *with, hdr_err
     "lit "                                                                                                             \
     "pixels by nearest rank, KEY = 0.18 x 4^((2 log2 Yavg - log2 Ymin - log2 Ymax) / (log2 Ymax - log2 Ymin)) and "    \
     "WHITE "                                                                                                           \
-    "= 1.5 x 2^(log2 Ymax - log2 Ymin - 5); where Ymin = Ymax, 0.18 and the largest L. A --white that is given "       \
+    "= 1.5 x 2^(log2 Ymax - log2 Ymin - 5); the exponent is held to -1 ... 1, which are the paper's limits of the "    \
+    "key, 0.045 to 0.72: outliers can bring Yavg outside of the two percentiles. Where Ymin = Ymax, 0.18 and the "     \
+    "largest L. A --white that is given "                                                                              \
     "holds.\n\n"                                                                                                       \
     "Global. Ld = L (1 + L/WHITE^2) / (1 + L) (equation 4). --white auto is the largest L: the brightest pixel just "  \
     "becomes 1. A smaller number burns out what is above it; inf gives Ld = L / (1 + L) (equation 3), which reaches "  \

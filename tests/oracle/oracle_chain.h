@@ -369,7 +369,8 @@ static void oracle_estimate(const oracle_chain *chain, oracle_step *step) {
     step->key = NUMBER(0.18);
     if (darkest == brightest) return;
     long double low = log2l(darkest), high = log2l(brightest);
-    step->estimated_key = 0.18L * powl(4, (2 * log2l(step->log_average) - low - high) / (high - low));
+    long double exponent = (2 * log2l(step->log_average) - low - high) / (high - low);
+    step->estimated_key = 0.18L * powl(4, fmaxl(-1, fminl(1, exponent))); /* the paper's key is 0.045 to 0.72 */
     step->estimated_white = 1.5L * exp2l(high - low - 5);
 }
 
