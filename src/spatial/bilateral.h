@@ -1,0 +1,49 @@
+/* The bilateral filter of a plane, by several methods.
+ *
+ *     base(s) = sum over p of f(p - s) g(i_p - i_s) i_p, divided by the same sum without i_p
+ *
+ * with Gaussians f of standard deviation sigma_s in pixels and g of sigma_r in the plane's unit; p runs over the
+ * picture, whose border cuts the window. Tomasi and Manduchi 1998; Durand and Dorsey, Fast Bilateral Filtering for the
+ * Display of High-Dynamic-Range Images, SIGGRAPH 2002, section 4. */
+#ifndef HDR_BILATERAL_H
+#define HDR_BILATERAL_H
+
+#include "base/pool.h"
+#include "picture/plane.h"
+
+typedef struct hdr_bilateral {
+    double sigma_s, sigma_r; /* above 0 */
+    double low, high;        /* of the plane: the least and the largest number */
+    bool no_skip;            /* compute what cannot matter, too */
+} hdr_bilateral;
+
+/* What was computed, for --explain. */
+typedef struct hdr_bilateral_report {
+    uint64_t cells, used; /* of a grid: as many as the range would take, and those that were stored */
+    int segments;         /* of the piecewise method */
+} hdr_bilateral_report;
+
+/* By the sum itself, in double, over all pixels no farther than `reach` standard deviations in x and in y; base may
+ * take the plane's place: the plane is copied first. Wide or narrow planes. Slow; with HDR_EXACT_REACH it is the
+ * oracle, with less the fastest way where sigma_s is a pixel or two. */
+#define HDR_EXACT_REACH 8
+hdr_status hdr_bilateral_exact(const hdr_bilateral *filter, double reach, const hdr_plane *plane, hdr_plane *base,
+                               hdr_pool *pool, hdr_error *err);
+
+/* The same of some pixels. */
+typedef struct hdr_pixel {
+    int x, y;
+} hdr_pixel;
+hdr_status hdr_bilateral_exact_at(const hdr_bilateral *filter, double reach, const hdr_plane *plane, int count,
+                                  const hdr_pixel *pixels, double *values, hdr_pool *pool, hdr_error *err);
+
+/* By a bilateral grid of cells of sigma_s / across and sigma_r / deep, into which pixels are sown, and from which they
+ * are read, by cubic B-splines; the Gaussians in it are narrower by what these add. Narrow planes; the base takes the
+ * plane's place. No base is wrong by more than hdr_grid_bound(across, deep) sigma_r. Chen, Paris and Durand, Real-time
+ * Edge-Aware Image Processing with the Bilateral Grid, SIGGRAPH 2007; Paris and Durand, IJCV 81(1), 2009. */
+hdr_status hdr_bilateral_grid(const hdr_bilateral *filter, double across, double deep, hdr_plane *plane, hdr_pool *pool,
+                              hdr_bilateral_report *report, hdr_error *err);
+
+double hdr_grid_bound(double across, double deep);
+
+#endif

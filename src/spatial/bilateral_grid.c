@@ -1,0 +1,301 @@
+#include "spatial/bilateral.h"
+
+#include "kernel/grid.h"
+#include "kernel/real.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What a cubic B-spline adds to a variance, in cells, each time it is applied. */
+#define SPLINE_VARIANCE (1 / 3.0)
+
+/* Gaussians in the grid reach that far: a pixel by itself weighs no more than 1e-5 of a crowd, and e^(-6.5^2 / 2) of
+ * that crowd, seen from far away in range, has to be nothing beside it. */
+#define REACH_DEVIATIONS 6.5
+
+enum { BAND = 32, STRIP = 16 * HDR_PIECE };
+
+/* A Gaussian between nodes. */
+typedef struct blur {
+    int reach;
+    float *weight;
+} blur;
+
+typedef struct worker {
+    float *slab;     /* a row of columns */
+    float *rows;     /* sowing: four rows of the grid */
+    float *margined; /* blurring: what is blurred, with zeros around it */
+    float *blurred;
+    const float **row; /* rows for the convolution, as it wants them */
+    hdr_spline *deep;  /* of a row's numbers */
+} worker;
+
+typedef struct grid {
+    const hdr_bilateral *filter;
+    hdr_plane *plane;
+    hdr_pool *pool;
+    double across, deep;     /* size of a cell: in pixels, in the numbers' unit */
+    float middle;            /* numbers are taken from here, so that N is small */
+    int columns, rows;       /* of nodes */
+    int levels;              /* nodes in range, all of them */
+    int stored;              /* levels that some number needs */
+    int *level;              /* where a level is stored; of one that is not: -1 */
+    hdr_spline *column;      /* of each x */
+    size_t stride, row_size; /* floats of a column, of a row */
+    float *cells;
+    size_t cells_size;
+    blur flat, range;
+    worker *workers;
+    int threads;
+    unsigned char *seen; /* levels, of each thread */
+} grid;
+
+double hdr_grid_bound(double across, double deep) {
+    (void)across, (void)deep;
+    return 0.0025;
+}
+
+/* ---- Levels ---- */
+
+static int rows_of(const grid *g, int band) {
+    return g->plane->height - band * BAND < BAND ? g->plane->height - band * BAND : BAND;
+}
+
+static float *row_of(const grid *g, int y) {
+    return g->plane->narrow + (size_t)y * g->plane->stride;
+}
+
+static hdr_status see_levels(void *context, int band, int thread, hdr_error *err) {
+    (void)err;
+    grid *g = context;
+    unsigned char *seen = g->seen + (size_t)thread * (size_t)g->levels;
+    for (int y = band * BAND; y < band * BAND + rows_of(g, band); y++) {
+        const float *numbers = row_of(g, y);
+        for (int x = 0; x < g->plane->width; x++)
+            seen[(int)(((double)numbers[x] - g->filter->low) / g->deep)] = 1;
+    }
+    return HDR_OK;
+}
+
+/* Levels that no number is within reach of the splines of are not stored. */
+static void store_levels(grid *g) {
+    g->stored = 0;
+    for (int l = 0; l < g->levels; l++) {
+        bool used = g->filter->no_skip;
+        for (int t = 0; t < g->threads && !used; t++)
+            for (int k = 0; k < 4 && !used; k++)
+                used = l >= k && g->seen[(size_t)t * (size_t)g->levels + (size_t)(l - k)];
+        g->level[l] = used ? g->stored++ : -1;
+    }
+}
+
+/* ---- Sowing ---- */
+
+/* The nodes of rows that an image's rows are sown into. */
+static int first_node(const grid *g, int y) {
+    return (int)(y / g->across);
+}
+
+/* Each band into rows of its own, which are added to the grid's in the order of the bands. */
+static hdr_status sow_band(void *context, int band, int thread, hdr_error *err) {
+    (void)err;
+    grid *g = context;
+    worker *w = &g->workers[thread];
+    int top = band * BAND, end = top + rows_of(g, band), width = g->plane->width;
+    int first = first_node(g, top), nodes = first_node(g, end - 1) + 4 - first;
+    memset(w->rows, 0, (size_t)nodes * g->row_size * sizeof *w->rows);
+    for (int y = top; y < end; y++) {
+        hdr_spline row = hdr_spline_at(y / g->across);
+        float *into[4];
+        for (int k = 0; k < 4; k++)
+            into[k] = w->rows + (size_t)(row.first - first + k) * g->row_size;
+        memset(w->slab, 0, g->row_size * sizeof *w->slab);
+        hdr_splines_of(row_of(g, y), g->filter->low, g->deep, w->deep, (size_t)width);
+        hdr_grid_sow(row_of(g, y), g->middle, g->column, w->deep, g->level, (size_t)width, w->slab, g->stride);
+        hdr_grid_spread(w->slab, row.weight, into, g->row_size);
+    }
+    if (!hdr_pool_enter(g->pool, band)) return HDR_OK;
+    float *cells = g->cells + (size_t)first * g->row_size;
+    for (size_t i = 0; i < (size_t)nodes * g->row_size; i++)
+        cells[i] += w->rows[i];
+    hdr_pool_leave(g->pool, band);
+    return HDR_OK;
+}
+
+/* ---- Blurring ---- */
+
+/* Gaussian weights up to a factor, which N / W does not see. */
+static bool make_blur(blur *b, double variance) {
+    double deviation = sqrt(variance);
+    b->reach = (int)ceil(REACH_DEVIATIONS * deviation);
+    b->weight = hdr_alloc((size_t)b->reach + 1, sizeof *b->weight);
+    for (int k = 0; b->weight && k <= b->reach; k++)
+        b->weight[k] = (float)hdr_exp(-0.5 * k * k / variance);
+    return b->weight != NULL;
+}
+
+/* Blurs `count` numbers whose neighbours stand `step` apart; from has the blur's reach of steps around them. */
+static void convolve(const worker *w, const blur *b, const float *from, size_t step, float *out, size_t count) {
+    const float **centre = w->row + b->reach;
+    for (int k = -b->reach; k <= b->reach; k++)
+        centre[k] = from + (ptrdiff_t)step * k;
+    for (size_t x = 0; x < count; x += HDR_PIECE)
+        hdr_convolve_down(centre, x, b->weight, b->reach, out + x);
+}
+
+/* A column in range: all its levels, those that are not stored being 0. */
+static void blur_column(const grid *g, const worker *w, float *column) {
+    float *inner = w->margined + 2 * (size_t)g->range.reach;
+    memset(w->margined, 0, (2 * (size_t)g->levels + 4 * (size_t)g->range.reach + HDR_PIECE) * sizeof *w->margined);
+    for (int l = 0; l < g->levels; l++)
+        if (g->level[l] >= 0) memcpy(inner + 2 * (size_t)l, column + 2 * (size_t)g->level[l], 2 * sizeof *column);
+    convolve(w, &g->range, inner, 2, w->blurred, 2 * (size_t)g->levels);
+    for (int l = 0; l < g->levels; l++)
+        if (g->level[l] >= 0) memcpy(column + 2 * (size_t)g->level[l], w->blurred + 2 * (size_t)l, 2 * sizeof *column);
+}
+
+/* A row in range, then along it. */
+static hdr_status blur_row(void *context, int row, int thread, hdr_error *err) {
+    (void)err;
+    grid *g = context;
+    const worker *w = &g->workers[thread];
+    float *cells = g->cells + (size_t)row * g->row_size;
+    for (int c = 0; c < g->columns; c++)
+        blur_column(g, w, cells + (size_t)c * g->stride);
+    size_t margin = (size_t)g->flat.reach * g->stride, used = (size_t)g->columns * g->stride;
+    memset(w->margined, 0, margin * sizeof *w->margined);
+    memcpy(w->margined + margin, cells, used * sizeof *cells);
+    memset(w->margined + margin + used, 0, (margin + HDR_PIECE) * sizeof *w->margined);
+    convolve(w, &g->flat, w->margined + margin, g->stride, cells, used);
+    return HDR_OK;
+}
+
+/* From row to row, a strip of all rows. */
+static hdr_status blur_strip(void *context, int strip, int thread, hdr_error *err) {
+    (void)err;
+    grid *g = context;
+    const worker *w = &g->workers[thread];
+    size_t first = (size_t)strip * STRIP, count = g->row_size - first < STRIP ? g->row_size - first : STRIP;
+    size_t margin = (size_t)g->flat.reach * STRIP;
+    memset(w->margined, 0, margin * sizeof *w->margined);
+    for (int row = 0; row < g->rows; row++)
+        memcpy(w->margined + margin + (size_t)row * STRIP, g->cells + (size_t)row * g->row_size + first,
+               count * sizeof *g->cells);
+    memset(w->margined + margin + (size_t)g->rows * STRIP, 0, margin * sizeof *w->margined);
+    for (int row = 0; row < g->rows; row++)
+        convolve(w, &g->flat, w->margined + margin + (size_t)row * STRIP, STRIP,
+                 g->cells + (size_t)row * g->row_size + first, count);
+    return HDR_OK;
+}
+
+/* ---- Reading ---- */
+
+static hdr_status read_band(void *context, int band, int thread, hdr_error *err) {
+    (void)err;
+    grid *g = context;
+    const worker *w = &g->workers[thread];
+    int width = g->plane->width;
+    for (int y = band * BAND; y < band * BAND + rows_of(g, band); y++) {
+        hdr_spline row = hdr_spline_at(y / g->across);
+        const float *from[4];
+        for (int k = 0; k < 4; k++)
+            from[k] = g->cells + (size_t)(row.first + k) * g->row_size;
+        hdr_grid_gather(from, row.weight, w->slab, g->row_size);
+        hdr_splines_of(row_of(g, y), g->filter->low, g->deep, w->deep, (size_t)width);
+        hdr_grid_read(g->middle, g->column, w->deep, g->level, (size_t)width, w->slab, g->stride, row_of(g, y));
+    }
+    return HDR_OK;
+}
+
+/* ---- In all ---- */
+
+static size_t larger(size_t a, size_t b) {
+    return a > b ? a : b;
+}
+
+static bool make_workers(grid *g) {
+    size_t band_rows = (size_t)(BAND / g->across) + 5;
+    size_t margined = larger((size_t)g->columns * g->stride + 2 * (size_t)g->flat.reach * g->stride,
+                             ((size_t)g->rows + 2 * (size_t)g->flat.reach) * STRIP);
+    margined = larger(margined, 2 * (size_t)g->levels + 4 * (size_t)g->range.reach) + HDR_PIECE;
+    int reach = g->flat.reach > g->range.reach ? g->flat.reach : g->range.reach;
+    g->workers = hdr_alloc((size_t)g->threads, sizeof *g->workers);
+    for (int t = 0; g->workers && t < g->threads; t++) {
+        worker *w = &g->workers[t];
+        w->slab = hdr_alloc(g->row_size, sizeof *w->slab);
+        w->rows = hdr_alloc(band_rows, g->row_size * sizeof *w->rows);
+        w->margined = hdr_alloc(margined, sizeof *w->margined);
+        w->blurred = hdr_alloc(2 * (size_t)g->levels + HDR_PIECE, sizeof *w->blurred);
+        w->row = hdr_alloc(2 * (size_t)reach + 1, sizeof *w->row);
+        w->deep = hdr_alloc((size_t)g->plane->width, sizeof *w->deep);
+        if (!w->slab || !w->rows || !w->margined || !w->blurred || !w->row || !w->deep) return false;
+    }
+    return g->workers != NULL;
+}
+
+static bool lay_out(grid *g) {
+    int width = g->plane->width;
+    g->columns = (int)((width - 1) / g->across) + 4;
+    g->rows = first_node(g, g->plane->height - 1) + 4;
+    g->column = hdr_alloc((size_t)width, sizeof *g->column);
+    for (int x = 0; g->column && x < width; x++)
+        g->column[x] = hdr_spline_at(x / g->across);
+    g->stride = 2 * (size_t)g->stored;
+    g->row_size = ((size_t)g->columns * g->stride + HDR_PIECE - 1) / HDR_PIECE * HDR_PIECE;
+    g->cells_size = (size_t)g->rows * g->row_size * sizeof *g->cells;
+    g->cells = hdr_alloc_pages(g->cells_size);
+    if (g->cells) memset(g->cells, 0, g->cells_size);
+    double flat = g->filter->sigma_s / g->across, range = g->filter->sigma_r / g->deep;
+    return g->column && g->cells && make_blur(&g->flat, flat * flat - 2 * SPLINE_VARIANCE) &&
+           make_blur(&g->range, range * range - 2 * SPLINE_VARIANCE) && make_workers(g);
+}
+
+static void free_grid(grid *g) {
+    for (int t = 0; g->workers && t < g->threads; t++) {
+        worker *w = &g->workers[t];
+        free(w->slab);
+        free(w->rows);
+        free(w->margined);
+        free(w->blurred);
+        free(w->row);
+        free(w->deep);
+    }
+    free(g->workers);
+    if (g->cells) hdr_free_pages(g->cells, g->cells_size);
+    free(g->flat.weight);
+    free(g->range.weight);
+    free(g->column);
+    free(g->level);
+    free(g->seen);
+}
+
+hdr_status hdr_bilateral_grid(const hdr_bilateral *filter, double across, double deep, hdr_plane *plane, hdr_pool *pool,
+                              hdr_bilateral_report *report, hdr_error *err) {
+    grid g = {.filter = filter,
+              .plane = plane,
+              .pool = pool,
+              .across = filter->sigma_s / across,
+              .deep = filter->sigma_r / deep,
+              .middle = (float)((filter->low + filter->high) / 2),
+              .threads = hdr_pool_threads(pool)};
+    int bands = (plane->height + BAND - 1) / BAND;
+    g.levels = (int)((filter->high - filter->low) / g.deep) + 4;
+    g.level = hdr_alloc((size_t)g.levels, sizeof *g.level);
+    g.seen = hdr_alloc((size_t)g.threads, (size_t)g.levels);
+    hdr_status status = g.level && g.seen ? HDR_OK : hdr_fail(err, HDR_INTERNAL, "out of memory");
+    if (status == HDR_OK && !filter->no_skip) status = hdr_pool_run(pool, bands, see_levels, &g, err);
+    if (status == HDR_OK) {
+        store_levels(&g);
+        if (!lay_out(&g))
+            status = hdr_fail(err, HDR_INTERNAL, "out of memory: a grid of %d x %d x %d", g.columns, g.rows, g.stored);
+    }
+    if (status == HDR_OK) status = hdr_pool_run(pool, bands, sow_band, &g, err);
+    if (status == HDR_OK) status = hdr_pool_run(pool, g.rows, blur_row, &g, err);
+    if (status == HDR_OK) status = hdr_pool_run(pool, (int)((g.row_size + STRIP - 1) / STRIP), blur_strip, &g, err);
+    if (status == HDR_OK) status = hdr_pool_run(pool, bands, read_band, &g, err);
+    report->cells = (uint64_t)g.columns * (uint64_t)g.rows * (uint64_t)g.levels;
+    report->used = (uint64_t)g.columns * (uint64_t)g.rows * (uint64_t)g.stored;
+    free_grid(&g);
+    return status;
+}
