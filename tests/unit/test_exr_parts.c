@@ -242,6 +242,44 @@ static void check_views(void) {
     free_file(&file);
 }
 
+/* As Nuke writes them: a part for each layer of each view. */
+static void check_parts_of_views(void) {
+    struct made_file file = {
+        .part = {{.name = "glow.left", .view = "left", .width = 3, .height = 2, .channel = {HALF("glow.R")}},
+                 {.name = "p1", .view = "right", .width = 3, .height = 2, .channel = {HALF("glow.R"), HALF("glow.Z")}},
+                 {.name = "p2", .view = "left", .width = 3, .height = 2, .channel = {HALF("B"), HALF("G"), HALF("R")}},
+                 {.name = "p3", .view = "right", .width = 3, .height = 2, .channel = {HALF("Y")}},
+                 {.name = "p4", .view = "up", .width = 3, .height = 2, .channel = {HALF("haze.R")}}}};
+    if (!make_file(&file)) return;
+    expect(&file, "a view", (hdr_reading){.layer = "left"}, 2, NAMES("R", "G", "B"));
+    expect(&file, "a view in another case", (hdr_reading){.layer = "RIGHT"}, 3, NAMES("Y"));
+    expect(&file, "a view without an unnamed layer", (hdr_reading){.layer = "up"}, 4, NAMES("haze.R"));
+    expect(&file, "a layer", (hdr_reading){.layer = "glow"}, 0, NAMES("glow.R"));
+    expect(&file, "a part's name", (hdr_reading){.layer = "glow.left"}, 0, NAMES("glow.R"));
+    expect(&file, "a layer in a view", (hdr_reading){.layer = "glow.right"}, 1, NAMES("glow.R"));
+    expect(&file, "a view and a layer", (hdr_reading){.layer = "right.glow"}, 1, NAMES("glow.R"));
+    expect(&file, "in another case", (hdr_reading){.layer = "Right.Glow"}, 1, NAMES("glow.R"));
+    expect(&file, "its channel", (hdr_reading){.layer = "glow.right", .channel = "Z"}, 1, NAMES("glow.Z"));
+    refuse(&file, (hdr_reading){.layer = "glow.up"}, "no layer or view glow.up");
+    refuse(&file, (hdr_reading){.layer = "rightglow"}, "no layer or view rightglow");
+    refuse(&file, (hdr_reading){.layer = ".right"}, "no layer or view .right");
+    free_file(&file);
+}
+
+/* A small letter is a colour only where all three are there. */
+static void check_small_letters(void) {
+    struct made_file file = {.part = {{.name = "",
+                                       .width = 3,
+                                       .height = 2,
+                                       .channel = {FLOAT("L"), FLOAT("a"), FLOAT("b"), HALF("n.b"), HALF("n.g"),
+                                                   HALF("n.r"), HALF("w.Blue"), HALF("w.r")}}}};
+    if (!make_file(&file)) return;
+    refuse(&file, (hdr_reading){.memory = 0}, "it has: L, a, b, n.b");
+    expect(&file, "all three", (hdr_reading){.layer = "n"}, 0, NAMES("n.r", "n.g", "n.b"));
+    expect(&file, "a word, and a letter alone", (hdr_reading){.layer = "w"}, 0, NAMES(NULL, NULL, "w.Blue"));
+    free_file(&file);
+}
+
 /* ---- Levels ---- */
 
 static void check_levels(void) {
@@ -511,6 +549,8 @@ int main(void) {
     alarm(300);
     check_parts();
     check_views();
+    check_parts_of_views();
+    check_small_letters();
     check_levels();
     check_level_windows();
     check_crops();
