@@ -30,7 +30,7 @@ const hdr_verb hdr_verb_pfs = {
              "of pfstools take white for D65, so a linear picture of other primaries than Rec.709's is converted to "
              "these first, and those to XYZ; --primaries keep goes to XYZ straight and leaves white as it is. A "
              "picture of "
-             "XYZ primaries stays as it is. A grey picture is written as X, Y and Z too. The tag LUMINANCE is RELATIVE "
+             "XYZ primaries stays as it is. A grey picture is written as X, Y and Z of D65's grey, whatever white it had. The tag LUMINANCE is RELATIVE "
              "for a linear "
              "picture, and DISPLAY for an encoded one, whose encoded values go through the matrix as they are.\n\n"
              "On reading, the picture's primaries are X, Y and Z themselves, and white is not adapted when they are "
