@@ -48,7 +48,8 @@ hdr_status hdr_run_open(hdr_run *run, const hdr_chain *chain, hdr_input *input, 
     if (run->thread_count < 1) run->thread_count = 1;
     run->pool = hdr_pool_new(run->thread_count, err);
     if (!run->pool) return err->status;
-    hdr_run_choose_alpha(run);
+    hdr_status status = hdr_run_choose_alpha(run, err);
+    if (status) return status;
     const hdr_picture *picture = &run->source->picture;
     run->raw.grey = picture->planes == 1;
     run->raw.opaque = !picture->has_alpha;

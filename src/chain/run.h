@@ -99,8 +99,11 @@ hdr_status hdr_run_guess(hdr_run *run, bool grey_matters, hdr_error *err);
 
 /* ---- alpha.c ---- */
 
-/* Makes the source's picture what --alpha says. */
-void hdr_run_choose_alpha(hdr_run *run);
+/* Makes the source's picture what --alpha says. HDR_BAD_DATA: it cannot be laid over a colour. */
+hdr_status hdr_run_choose_alpha(hdr_run *run, hdr_error *err);
+
+/* Whether the picture that is written has pixels outside the data window. */
+bool hdr_run_has_border(const hdr_run *run);
 
 /* ---- write.c ---- */
 

@@ -53,13 +53,6 @@ static hdr_status cut_bands(writing *w, hdr_error *err) {
 
 /* ---- An attempt ---- */
 
-/* Whether the picture that is written has pixels outside the data window. */
-static bool has_border(const writing *w) {
-    const hdr_window *data = &w->run->source->picture.data, *window = &w->frame.data;
-    return window->min_x < data->min_x || window->max_x > data->max_x || window->min_y < data->min_y ||
-           window->max_y > data->max_y;
-}
-
 static void close_sink(writing *w) {
     for (int t = 0; t < w->run->thread_count; t++) {
         hdr_thread *thread = &w->run->threads[t];
@@ -125,7 +118,7 @@ static hdr_status begin_attempt(void *context, int *items, hdr_error *err) {
     hdr_status status = hdr_output_restart(w->output, err);
     if (status) return status;
     w->frame.planes = picture->planes == 3 && run->raw.grey && w->may_be_grey ? 1 : picture->planes;
-    w->frame.alpha = w->format->format->alpha && picture->has_alpha && (!run->raw.opaque || has_border(w));
+    w->frame.alpha = w->format->format->alpha && picture->has_alpha && (!run->raw.opaque || hdr_run_has_border(run));
     w->sink = w->format->format->create(w->params, w->output, &w->frame, err);
     if (!w->sink) return err->status;
     status = cut_bands(w, err);
@@ -338,7 +331,7 @@ static bool is_settled(const writing *w) {
     const hdr_run *run = w->run;
     const hdr_picture *picture = &run->source->picture;
     bool colour = !w->may_be_grey || picture->planes == 1 || !run->raw.grey;
-    bool alpha = !w->format->format->alpha || !picture->has_alpha || !run->raw.opaque || has_border(w);
+    bool alpha = !w->format->format->alpha || !picture->has_alpha || !run->raw.opaque || hdr_run_has_border(run);
     return colour && alpha;
 }
 

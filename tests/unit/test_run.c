@@ -128,8 +128,25 @@ static void check_missing(void) {
     says(small_grey, "exr --explain --alpha over:1,0,0 --crop 1,1,9,9", "laid over");
 }
 
+/* ---- Encoded values ---- */
+
+static void check_over_encoded(void) {
+    recipe r = {.width = 4, .height = 3, .channels = 4, .channel = {CONSTANT("A", FLOAT, 0.5), RGB_OF(0.25)}};
+    says(r, "exr --alpha over:1,1,1", NULL);
+    r.state = "srgb";
+    refuses(r, "exr --alpha over:1,1,1", "hdr srgb --decode then exr");
+    says(r, "exr --alpha drop", NULL);
+    r.state = "gamma 1.8";
+    refuses(r, "exr --alpha over:1,1,1", "hdr gamma --exponent 1.8 --decode then exr");
+    recipe opaque = small_rgb;
+    opaque.state = "srgb";
+    says(opaque, "exr --alpha over:1,1,1", NULL);
+    refuses(opaque, "exr --alpha over:1,1,1 --crop 1,1,9,9", "encoded (srgb)");
+}
+
 int main(void) {
     check_grey_elsewhere();
     check_missing();
+    check_over_encoded();
     return check_done("test_run");
 }
