@@ -37,7 +37,8 @@ const hdr_verb hdr_verb_rgbe = {
              "pfstools among them): 0 stays 0, and a file that is written again does not change. Radiance itself "
              "reads (mantissa + 1/2) * 2^(exponent - 136), because it cuts mantissas off when it writes; it sees half "
              "a step more in every component, 0.2 to 0.4 percent of the largest. Pixels are divided by the product "
-             "of the header's EXPOSURE values. Without PRIMARIES in the header they are taken for Rec.709's, as "
+             "of the header's EXPOSURE values, and each component by that of its COLORCORR values. Without PRIMARIES "
+             "in the header they are taken for Rec.709's, as "
              "everywhere but in Radiance. All orientations, all three ways to store a row, and XYZ pixels "
              "(32-bit_rle_xyze, whose numbers are taken as they stand: Radiance's are 179 times those of RGB) are "
              "read.",
