@@ -372,6 +372,10 @@ int64_t hdr_input_size(hdr_input *input) {
     return size > input->skip ? (int64_t)(size - input->skip) : 0;
 }
 
+bool hdr_input_flows(const hdr_input *input) {
+    return input->kind == INPUT_PIPE;
+}
+
 void hdr_input_skip(hdr_input *input, uint64_t length) {
     input->skip = length < INT64_MAX / 4 ? length : INT64_MAX / 4;
 }

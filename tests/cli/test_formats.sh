@@ -52,6 +52,16 @@ done
 "$hdr" pfm -q -o "$work/direct.pfm" "$picture"
 expect_status 0 'PFM to PFM' "$hdr" pfm -o "$work/again.pfm" "$work/direct.pfm"
 check 'PFM to PFM: the same bytes' cmp -s "$work/direct.pfm" "$work/again.pfm"
+for end in '\n' '\r\n'; do
+    # shellcheck disable=SC2059 # the bytes are the format
+    printf "Pf${end}1 2${end}-1.0${end}\000\000\200\077\000\000\000\100" >"$work/lines.pfm"
+    expect_status 0 "lines that end in $end" "$hdr" pfm -o - "$work/lines.pfm"
+    cp "$work/stdout" "$work/lines"
+    check "lines that end in $end: the pixels" test "$(tail -c 8 "$work/lines" | od -An -tf4 | tr -d ' \n')" = 12
+    # shellcheck disable=SC2002 # a pipe is what is tried here
+    cat "$work/lines.pfm" | "$hdr" pfm >"$work/piped"
+    check "lines that end in $end: from a pipe" cmp -s "$work/lines" "$work/piped"
+done
 "$hdr" rgbe -o "$work/direct.hdr" "$picture"
 expect_status 0 'HDR to HDR' "$hdr" rgbe -o "$work/again.hdr" "$work/direct.hdr"
 check 'HDR to HDR: the same bytes' cmp -s "$work/direct.hdr" "$work/again.hdr"

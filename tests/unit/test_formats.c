@@ -15,14 +15,15 @@ static float pfm_value(size_t x, size_t y, size_t c) {
 }
 
 static void test_pfm(void) {
-    static const char *const heads[] = {"P%c\n%zu %zu\n%s\n", "P%c %zu\n%zu %s ", "P%c\n%zu\n%zu\n%s\t"};
+    static const char *const heads[] = {"P%c\n%zu %zu\n%s\n", "P%c %zu\n%zu %s ", "P%c\n%zu\n%zu\n%s\t",
+                                        "P%c\r\n%zu %zu\r\n%s\r\n"};
     static file made;
-    for (unsigned variant = 0; variant < 24; variant++) {
+    for (unsigned variant = 0; variant < 64; variant++) {
         bool big = variant & 1, grey = variant & 2;
         size_t width = variant & 4 ? 1 : 13, height = 37;
         char head[64];
         made.size = 0;
-        snprintf(head, sizeof head, heads[variant % 3], grey ? 'f' : 'F', width, height, big ? "2.5" : "-1e3");
+        snprintf(head, sizeof head, heads[variant / 16], grey ? 'f' : 'F', width, height, big ? "2.5" : "-1e3");
         add_text(&made, head);
         for (size_t y = height; y-- > 0;)
             for (size_t x = 0; x < width; x++)
@@ -64,6 +65,9 @@ static void test_refused(void) {
         {"#?RADIANCE\n\n+X 1 +Y 8\n12341234", "column 0"},
         {"PF\n1 1\n0\n123412341234", "scale"},
         {"PF\n1 1\nx\n123412341234", "scale"},
+        {"Pf\n1 1\n-1\r1234", "carriage return"},
+        {"Pf\n1 1\n-1\r\n234", "before row 0"},
+        {"Pf\r\n1 1\r\n-1\r\n1\r\n34", "too long by 1 byte"},
         {"PF\n0 1\n1\n123412341234", "no pixels"},
         {"Pf\n1 3\n1\n12341234123", "before row 0"},
         {"PFS1\n1 1\n1\n0\nDEPTH\n0\nENDH1234", "neither"},
