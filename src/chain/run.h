@@ -57,6 +57,8 @@ typedef struct hdr_run {
     unsigned char *kept;
     size_t kept_size, kept_row; /* kept_row: bytes of a row of all channels that are read */
     atomic_uchar *kept_state;   /* of each block: empty, being filled, whole */
+    unsigned char *looked_at;   /* the block that was looked at to guess, or NULL */
+    int looked_at_block;
 } hdr_run;
 
 /* Opens everything: head, source, pool. Free with hdr_run_close in any case; the chain is the one behind the head. */

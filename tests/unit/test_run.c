@@ -1,4 +1,5 @@
 /* Chains run on EXR files that are made here, by OpenEXRCore: what comes out, and what is said on the way. */
+#include "chain/run.h"
 #include "check.h"
 #include "exr_make.h"
 
@@ -144,9 +145,161 @@ static void check_over_encoded(void) {
     refuses(opaque, "exr --alpha over:1,1,1 --crop 1,1,9,9", "encoded (srgb)");
 }
 
+/* ---- Blocks ---- */
+
+/* A run without the writing. */
+typedef struct opened {
+    hdr_chain *chain;
+    hdr_input *input;
+    hdr_run run;
+    hdr_error error;
+} opened;
+
+static bool open_run(opened *o, const file_bytes *file, int count, const char *const words[]) {
+    *o = (opened){.error = {.status = HDR_OK}};
+    o->chain = hdr_chain_new(&o->error);
+    o->input = hdr_input_memory(file->data, file->size, "made", &o->error);
+    if (!hdr_chain_parse(o->chain, count, words, &o->error)) hdr_run_open(&o->run, o->chain, o->input, NULL, &o->error);
+    CHECK(o->error.status == HDR_OK, "%s", o->error.message);
+    return o->error.status == HDR_OK;
+}
+
+static void close_run(opened *o) {
+    hdr_run_close(&o->run);
+    hdr_input_free(o->input);
+    hdr_chain_free(o->chain);
+}
+
+/* A block's planes as one number, to compare. */
+static uint64_t sum_of(const hdr_block *block, size_t width) {
+    uint64_t sum = 0;
+    for (int p = 0; p < 4; p++)
+        for (int row = 0; block->plane[p] && row < block->rows; row++)
+            for (size_t i = 0; i < width * hdr_type_size(block->type[p]); i++)
+                sum = sum * 31 + block->plane[p][(size_t)row * block->stride[p] + i];
+    return sum;
+}
+
+/* Blocks that are kept hold what was decoded, in planes that any type may be read from. */
+static void check_kept(void) {
+    static const char *const crops[] = {"0,0,7,50", "1,3,5,40", "2,5,3,33", "0,15,7,19"};
+    for (int form = 0; form < 8; form++) {
+        recipe r = {.width = 7,
+                    .height = 53,
+                    .compression = form & 4 ? EXR_COMPRESSION_ZIPS : EXR_COMPRESSION_ZIP,
+                    .channels = 4,
+                    .channel = {{.name = "A", .type = form & 1 ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT},
+                                {.name = "B", .type = EXR_PIXEL_HALF},
+                                {.name = "G", .type = form & 2 ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT},
+                                {.name = "R", .type = EXR_PIXEL_FLOAT}}};
+        file_bytes file;
+        CHECK(make_exr(&r, &random_state, &file), "a file cannot be made");
+        for (size_t c = 0; c < sizeof crops / sizeof crops[0]; c++) {
+            const char *const words[] = {"exr", "-j", "1", "--crop", crops[c]};
+            uint64_t decoded[64] = {0};
+            opened o;
+            if (!open_run(&o, &file, 5, words)) continue;
+            size_t width = (size_t)hdr_window_width(&o.run.source->picture.data);
+            hdr_block block;
+            for (int i = 0; i < o.run.source->blocks; i++)
+                if (!hdr_run_read(&o.run, 0, i, &block, &o.error)) decoded[i] = sum_of(&block, width);
+            hdr_run_keep(&o.run);
+            CHECK(o.run.kept != NULL, "nothing is kept");
+            for (int i = 0; i < 2 * o.run.source->blocks; i++) {
+                int index = i % o.run.source->blocks;
+                CHECK(hdr_run_read(&o.run, 0, index, &block, &o.error) == HDR_OK, "%s", o.error.message);
+                CHECK(sum_of(&block, width) == decoded[index], "form %d, crop %s: block %d", form, crops[c], index);
+                for (int p = 0; p < 4; p++)
+                    CHECK((uintptr_t)block.plane[p] % hdr_type_size(block.type[p]) == 0 &&
+                              block.plane[p] + block.stride[p] * (size_t)block.rows <= o.run.kept + o.run.kept_size,
+                          "form %d, crop %s: plane %d of block %d", form, crops[c], p, index);
+            }
+            close_run(&o);
+        }
+        free_recipe(&r);
+        free(file.data);
+    }
+}
+
+/* ---- How often a block is decoded ---- */
+
+static int reads_of_middle;
+static hdr_status (*read_on)(hdr_source *source, void *worker, int block, hdr_block *out, hdr_error *err);
+
+static hdr_status count_read(hdr_source *source, void *worker, int block, hdr_block *out, hdr_error *err) {
+    reads_of_middle += block == source->blocks / 2;
+    return read_on(source, worker, block, out, err);
+}
+
+/* Once, whether or not it is looked at to guess what the picture is. */
+static void check_decoded_once(void) {
+    static const char *const formats[] = {"png", "exr", "pfm", "rgbe"};
+    for (int form = 0; form < 16; form++) {
+        recipe r = {.width = 9, .height = 70, .compression = EXR_COMPRESSION_ZIP};
+        static const char *const names[] = {"A", "B", "G", "R"};
+        bool alpha = form & 4, grey = form & 8;
+        for (int c = alpha ? 0 : 1; c < 4; c++) {
+            r.channel[r.channels].name = names[c];
+            r.channel[r.channels].type = EXR_PIXEL_FLOAT;
+            r.channel[r.channels].constant = grey || c == 0;
+            r.channel[r.channels++].value = c == 0 ? 0.5 : 0.25;
+        }
+        const char *format = formats[form & 3], *const words[] = {format, "-j", "1"};
+        file_bytes file;
+        opened o;
+        CHECK(make_exr(&r, &random_state, &file), "a file cannot be made");
+        if (open_run(&o, &file, 3, words)) {
+            hdr_output *output = hdr_output_memory(&o.error);
+            const hdr_clause *clause = &o.chain->clauses[0];
+            read_on = o.run.source->read;
+            o.run.source->read = count_read;
+            reads_of_middle = 0;
+            CHECK(hdr_run_write(&o.run, clause->verb, clause->params, output, "linear", 0, false, &o.error) == HDR_OK,
+                  "%s: %s", format, o.error.message);
+            CHECK(reads_of_middle == 1, "form %d, %s: the middle block is decoded %d times", form, format,
+                  reads_of_middle);
+            o.run.source->read = read_on;
+            close_run(&o);
+            hdr_output_free(output);
+        }
+        free_recipe(&r);
+        free(file.data);
+    }
+}
+
+/* ---- Percentiles of components that are no floats ---- */
+
+static double median_of(recipe r, int count, const char *const words[]) {
+    hdr_facts facts = {.known = 0};
+    hdr_request request = {.percentiles = 1, .percentile = {{HDR_OF_COMPONENTS, {50, 0}}}};
+    file_bytes file;
+    opened o;
+    CHECK(make_exr(&r, &random_state, &file), "a file cannot be made");
+    if (open_run(&o, &file, count, words)) {
+        CHECK(hdr_run_facts(&o.run, &request, &facts, &o.error) == HDR_OK, "%s", o.error.message);
+        close_run(&o);
+    }
+    free_recipe(&r);
+    free(file.data);
+    return facts.percentile[0];
+}
+
+static void check_percentiles(void) {
+    recipe ids = {.width = 5, .height = 5, .channels = 1, .channel = {CONSTANT("id", UINT, 16777217)}};
+    const char *const channel[] = {"exr", "--channel", "id"}, *const over[] = {"exr", "--alpha", "over:0.7,0.7,0.7"};
+    double median = median_of(ids, 3, channel);
+    CHECK(median == 16777217, "the median of whole numbers is %.17g", median);
+    recipe r = {.width = 5, .height = 5, .channels = 4, .channel = {CONSTANT("A", FLOAT, 0.25), RGB_OF(0.125)}};
+    median = median_of(r, 3, over);
+    CHECK(median == 0.125 + 0.75 * 0.7, "the median over a colour is %.17g", median);
+}
+
 int main(void) {
     check_grey_elsewhere();
     check_missing();
     check_over_encoded();
+    check_kept();
+    check_decoded_once();
+    check_percentiles();
     return check_done("test_run");
 }
