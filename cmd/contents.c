@@ -4,12 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Names in a file may hold anything; a terminal is to show text. */
-static void print_plain(const char *text) {
-    for (; *text; text++)
-        putchar((unsigned char)*text < ' ' || *text == 0x7f ? '?' : *text);
-}
-
 /* ---- Text ---- */
 
 /* Length of the layer in front of the last point, without the point. */
@@ -33,13 +27,13 @@ static void print_layer(const hdr_part *part, int first) {
     else
         snprintf(label, sizeof label, "channels");
     printf("    ");
-    print_plain(label);
+    cmd_print_plain(stdout, label);
     printf("%*s ", strlen(label) < 16 ? (int)(16 - strlen(label)) : 0, "");
     for (int i = first; i < part->channel_count; i++) {
         const hdr_listed_channel *channel = &part->channels[i];
         if (!same_layer(channel->name, layer)) continue;
         printf("%s", between);
-        print_plain(channel->name + (length ? length + 1 : 0));
+        cmd_print_plain(stdout, channel->name + (length ? length + 1 : 0));
         printf(" %s", cmd_type_name(channel->type));
         if (channel->x_sampling != 1 || channel->y_sampling != 1)
             printf(" (1 of %d x %d)", channel->x_sampling, channel->y_sampling);
@@ -59,8 +53,8 @@ static void print_layers(const hdr_part *part) {
 
 static void print_part(const hdr_part *part) {
     printf("  part %d", part->number);
-    if (*part->name) printf(" "), print_plain(part->name);
-    if (*part->view) printf(", view "), print_plain(part->view);
+    if (*part->name) printf(" "), cmd_print_plain(stdout, part->name);
+    if (*part->view) printf(", view "), cmd_print_plain(stdout, part->view);
     printf(": %s, %s\n", part->storage, part->compression);
     printf("    ");
     cmd_print_window("data window", &part->data, 16);
@@ -73,18 +67,18 @@ static void print_part(const hdr_part *part) {
     }
     for (int i = 0; i < part->view_count; i++) {
         if (i == 0) printf("    %-16s ", "views");
-        print_plain(part->views[i]);
+        cmd_print_plain(stdout, part->views[i]);
         printf("%s", i + 1 < part->view_count ? ", " : "\n");
     }
     print_layers(part);
     for (int i = 0; i < part->attribute_count; i++) {
         const hdr_attribute *attribute = &part->attributes[i];
         printf("    %-16s ", i ? "" : "attributes");
-        print_plain(attribute->name);
+        cmd_print_plain(stdout, attribute->name);
         printf(" (");
-        print_plain(attribute->type);
+        cmd_print_plain(stdout, attribute->type);
         printf(")");
-        if (attribute->value) printf(" "), print_plain(attribute->value);
+        if (attribute->value) printf(" "), cmd_print_plain(stdout, attribute->value);
         putchar('\n');
     }
 }
