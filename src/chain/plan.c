@@ -1,6 +1,7 @@
 /* A chain resolved against the facts, clause by clause, and run. */
 #include "chain/run.h"
 
+#include "io/input.h"
 #include "picture/colour.h"
 
 #include <math.h>
@@ -233,6 +234,23 @@ static hdr_status suit_primaries(planning *p, const hdr_verb *verb, hdr_error *e
     return HDR_OK;
 }
 
+/* Encoded values, in a format that cannot say so. */
+static void report_state(const planning *p, const hdr_verb *verb) {
+    const char *name = verb->about.name;
+    if (!strcmp(p->state, "linear")) return;
+    if (verb->format->states == HDR_STATES_LOST)
+        hdr_say(p->run->listener, HDR_NOTE, "%s cannot tell that the picture is encoded (%s)", name, p->state);
+    if (verb->format->states == HDR_STATES_SRGB && strcmp(p->state, "srgb") != 0)
+        hdr_say(p->run->listener, HDR_NOTE, "%s cannot tell how the picture is encoded (%s): readers take it for sRGB",
+                name, p->state);
+}
+
+/* A picture that stands behind the one that was read, as far as is known without waiting for a pipe. */
+static void report_more(const hdr_run *run) {
+    if (run->source->end && hdr_input_has(run->input, run->source->end))
+        hdr_say(run->listener, HDR_NOTE, "%s: there is more behind the first frame, which alone is read", run->name);
+}
+
 static hdr_status write_picture(planning *p, const hdr_verb *format, hdr_output *output, hdr_error *err) {
     const hdr_chain *chain = p->run->chain;
     const hdr_clause *last = chain->count ? &chain->clauses[chain->count - 1] : NULL;
@@ -241,6 +259,7 @@ static hdr_status write_picture(planning *p, const hdr_verb *format, hdr_output 
     hdr_options_default(format->about.options, params);
     if (last && last->verb == format) memcpy(params, last->params, format->params_size);
     hdr_status status = format->format->codes ? encode_for_codes(p, err) : suit_primaries(p, format, err);
+    if (!status) report_state(p, format);
     if (!status) status = hdr_run_write(p->run, format, params, output, p->state, p->bits, p->converted, err);
     if (!status && !format->format->alpha && !p->run->raw.opaque)
         hdr_say(p->run->listener, HDR_NOTE, "%s has no alpha: it is left out", format->about.name);
@@ -291,6 +310,7 @@ static hdr_status run_chain(hdr_chain *chain, hdr_input *input, const hdr_listen
         planning p = {.run = &run};
         if (!status) status = plan_filters(&p, &own);
         if (!status) status = end(&p, context, &own);
+        if (!status) report_more(&run);
         hdr_run_close(&run);
     }
     hdr_chain_free(whole);

@@ -13,6 +13,7 @@ struct hdr_source {
     int block_rows;      /* rows of every block but the first and the last: a multiple of the file's chunk height */
     int rows_cut;        /* how many rows fewer the first has; less than block_rows */
     int blocks;
+    uint64_t end; /* where another picture may stand, behind this one's bytes; 0: the format has one only */
     /* Who reads the source may say that only columns first ... end-1 of the data window are looked at: then the others
      * need not be decoded, and hold anything. end = 0: all are. */
     int64_t first_column, end_column;

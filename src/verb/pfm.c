@@ -14,8 +14,11 @@ static hdr_sink *create(const void *params, hdr_output *output, const hdr_frame 
     return hdr_pfm_create(output, frame, err);
 }
 
-static const hdr_format format = {
-    .extension = ".pfm", .primaries = HDR_PRIMARIES_LOST, .sample = sample, .create = create};
+static const hdr_format format = {.extension = ".pfm",
+                                  .primaries = HDR_PRIMARIES_LOST,
+                                  .states = HDR_STATES_LOST,
+                                  .sample = sample,
+                                  .create = create};
 
 static const char *const examples[] = {"hdr expose --ev -1 then pfm -o OUT.pfm IN.exr", NULL};
 

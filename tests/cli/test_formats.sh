@@ -77,6 +77,17 @@ expect_status 65 'an encoded PFS is not encoded again' "$hdr" srgb : png -o "$wo
 check 'PFS has alpha' test "$("$hdr" info "$work/alpha.pfs" | grep -c '^  channels .*A float')" -eq 1
 expect_status 0 'PFM of other primaries' "$hdr" pfm -o "$work/xyz.pfm" "$work/direct.pfs"
 check 'PFM of other primaries: a note' stderr_has primaries
+cat "$work/direct.pfs" "$work/grey.pfs" >"$work/frames.pfs"
+expect_status 0 'two frames' "$hdr" pfs -o "$work/first.pfs" "$work/frames.pfs"
+check 'two frames: a note' one_line_with 'first frame'
+check 'two frames: the first is read' cmp -s "$work/direct.pfs" "$work/first.pfs"
+mkfifo "$work/feed"
+{ cat "$work/direct.pfs" && exec sleep 60; } >"$work/feed" &
+feeder=$!
+expect_status 0 'a frame whose pipe stays open' timeout 30 "$hdr" pfs -o "$work/first.pfs" "$work/feed"
+kill $feeder
+wait $feeder 2>/dev/null
+check 'a frame whose pipe stays open: nothing to say' stderr_lines 0
 head -c 3000 "$work/direct.pfs" >"$work/short.pfs"
 expect_status 65 'a PFS that is cut off' "$hdr" png -o "$work/short.png" "$work/short.pfs"
 check 'a PFS that is cut off: one line' one_line_with short.pfs

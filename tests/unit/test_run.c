@@ -145,6 +145,43 @@ static void check_over_encoded(void) {
     refuses(opaque, "exr --alpha over:1,1,1 --crop 1,1,9,9", "encoded (srgb)");
 }
 
+/* What a format cannot tell of the encoding is said. */
+static void check_states(void) {
+    static const struct {
+        const char *words, *said;
+    } cases[] = {
+        {"pfm", NULL},
+        {"srgb : exr", NULL},
+        {"srgb : png", NULL},
+        {"srgb : pfs", NULL},
+        {"srgb : srgb --decode : rgbe", NULL},
+        {"srgb : pfm", "pfm cannot tell that the picture is encoded (srgb)\n"},
+        {"gamma -g 1.8 : rgbe", "rgbe cannot tell that the picture is encoded (gamma 1.8)\n"},
+        {"gamma -g 1.8 : pfs", "pfs cannot tell how the picture is encoded (gamma 1.8): readers take it for sRGB\n"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
+        says(small_rgb, cases[i].words, cases[i].said);
+    recipe encoded = small_rgb;
+    encoded.state = "srgb";
+    says(encoded, "rgbe", "rgbe cannot tell that the picture is encoded (srgb)\n");
+}
+
+/* ---- Frames ---- */
+
+static void check_frames(void) {
+    static const char frame[] = "PFS1\n1 1\n2\n0\nY\n0\nDEPTH\n0\nENDH12341234PFS1\n1 1\n";
+    for (size_t behind = 0; behind <= 2; behind++) {
+        const char *const words[] = {"pfm", "pfm --crop 0,0,1,1", "exr --crop 5,5,1,1"};
+        for (size_t w = 0; w < 3; w++) {
+            outcome out = run_on(frame, sizeof frame - 1 - 9 + behind * 9 / 2, words[w]);
+            const char *said = behind ? "made: there is more behind the first frame, which alone is read\n" : "";
+            CHECK(out.error.status == HDR_OK, "%s: %s", words[w], out.error.message);
+            CHECK(strcmp(out.said, said) == 0, "%s, %zu bytes more: %s", words[w], behind, out.said);
+            hdr_output_free(out.output);
+        }
+    }
+}
+
 /* ---- Blocks ---- */
 
 /* A run without the writing. */
@@ -298,6 +335,8 @@ int main(void) {
     check_grey_elsewhere();
     check_missing();
     check_over_encoded();
+    check_states();
+    check_frames();
     check_kept();
     check_decoded_once();
     check_percentiles();
