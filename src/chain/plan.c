@@ -38,8 +38,11 @@ static hdr_status append_step(planning *p, const hdr_step *step, hdr_error *err)
 
 static hdr_status start_colour(planning *p, hdr_error *err) {
     const hdr_picture *picture = &p->run->source->picture;
-    if (!hdr_luminance_weights(&picture->chromaticities, p->run->weights))
-        return hdr_fail(err, HDR_BAD_DATA, "the chromaticities span no triangle");
+    /* one plane is luminance itself, whatever its primaries would be */
+    const hdr_chromaticities *primaries = picture->planes == 1 ? &hdr_rec709 : &picture->chromaticities;
+    if (!hdr_luminance_weights(primaries, p->run->weights))
+        return hdr_fail(err, HDR_BAD_DATA, "its %s broken: the primaries span no triangle, or white has no light",
+                        strcmp(picture->format, "exr") ? "PRIMARIES are" : "attribute chromaticities is");
     p->foreign = picture->planes == 3 && hdr_chromaticities_differ(&picture->chromaticities, &hdr_rec709) &&
                  p->run->chain->common.primaries != HDR_PRIMARIES_KEEP;
     return HDR_OK;
@@ -50,11 +53,14 @@ static hdr_status start_colour(planning *p, hdr_error *err) {
 static hdr_status convert_primaries(planning *p, hdr_error *err) {
     hdr_run *run = p->run;
     const hdr_picture *picture = &run->source->picture;
-    bool adapt = run->chain->common.adapt != HDR_ADAPT_NONE;
+    bool adapt = run->chain->common.adapt != HDR_ADAPT_NONE && !hdr_primaries_are_xyz(&picture->chromaticities);
     const double *neutral = picture->has_neutral ? picture->neutral : picture->chromaticities.white;
     hdr_step step = {.form = HDR_FORM_MATRIX};
     if (!hdr_matrix_to_rec709(&picture->chromaticities, neutral, adapt, step.matrix))
-        return hdr_fail(err, HDR_BAD_DATA, "the chromaticities cannot be converted to Rec.709");
+        return hdr_fail(err, HDR_BAD_DATA,
+                        "its chromaticities cannot be converted to Rec.709: white cannot be adapted from %s (%g,%g) to "
+                        "D65; --adapt none leaves it as it is",
+                        picture->has_neutral ? "adoptedNeutral" : "their white", neutral[0], neutral[1]);
     hdr_status status = append_step(p, &step, err);
     if (status) return status;
     hdr_luminance_weights(&hdr_rec709, run->weights);

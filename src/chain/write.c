@@ -307,7 +307,14 @@ static hdr_status choose_frame(writing *w, hdr_error *err) {
         return hdr_fail(err, HDR_BAD_DATA,
                         "there are no pixels in the rectangle that --crop leaves: only --window "
                         "display can be written, black");
-    if (width < 1 || height < 1 || width > INT32_MAX || height > INT32_MAX || (area > 0x1p27 && area > 64 * data_area))
+    bool unfit =
+        width < 1 || height < 1 || width > INT32_MAX || height > INT32_MAX || (area > 0x1p27 && area > 64 * data_area);
+    if (unfit && w->run->chain->common.crop)
+        return hdr_fail(err, HDR_BAD_DATA,
+                        "the rectangle of %lld x %lld pixels that --crop asks for cannot be written: the picture has "
+                        "%.0f pixels in it",
+                        (long long)width, (long long)height, data_area);
+    if (unfit)
         return hdr_fail(err, HDR_BAD_DATA,
                         "the display window of %lld x %lld pixels cannot be written; try --window data",
                         (long long)width, (long long)height);

@@ -449,8 +449,21 @@ static int rows_of_a_chunk(hdr_compression compression) {
     }
 }
 
+/* The library takes no coordinates beyond these. */
+static bool within_bounds(const hdr_window *window) {
+    enum { FARTHEST = INT32_MAX / 2 };
+    return window->min_x > -FARTHEST && window->min_y > -FARTHEST && window->max_x < FARTHEST &&
+           window->max_y < FARTHEST;
+}
+
 hdr_sink *hdr_exr_create(hdr_output *output, const hdr_frame *frame, hdr_compression compression, float dwa_level,
                          hdr_error *err) {
+    const hdr_window *window = within_bounds(&frame->data) ? &frame->display : &frame->data;
+    if (!within_bounds(window)) {
+        hdr_fail(err, HDR_BAD_DATA, "%s: a window from %d,%d to %d,%d; the coordinates of an EXR stay below 2^30",
+                 hdr_output_name(output), window->min_x, window->min_y, window->max_x, window->max_y);
+        return NULL;
+    }
     exr_sink *self = hdr_alloc(1, sizeof *self);
     if (!self) {
         hdr_fail(err, HDR_INTERNAL, "%s: out of memory", hdr_output_name(output));

@@ -42,6 +42,7 @@ typedef struct hdr_reading {
     const char *part;    /* number or name; otherwise the first that has what is wanted */
     const char *layer;   /* layer or view; otherwise the unnamed one */
     const char *channel; /* this one alone, as grey */
+    bool no_alpha;       /* alpha will be dropped */
     bool proxy;          /* level is a number of pixels: of the levels whose larger side has as many, the smallest */
     int64_t level;       /* of a mip map; 0 is full resolution */
     bool cropped;

@@ -166,6 +166,49 @@ static void check_states(void) {
     says(encoded, "rgbe", "rgbe cannot tell that the picture is encoded (srgb)\n");
 }
 
+/* ---- Refusals that say what is wrong ---- */
+
+static void check_refusals(void) {
+    static const exr_attr_chromaticities_t nothing = {.red_x = 0},
+                                           xyz = {.red_x = 1, .green_y = 1, .white_x = 1.0f / 3, .white_y = 1.0f / 3};
+    static const exr_attr_v2f_t zero = {.x = 0, .y = 0};
+    recipe r = {.width = 4,
+                .height = 4,
+                .sampling = 2,
+                .channels = 2,
+                .channel = {CONSTANT("Y", FLOAT, 1), {.name = "Z", .type = EXR_PIXEL_FLOAT}}};
+    refuses(r, "exr --channel Z", "a subsampled channel cannot be read by itself");
+
+    r = small_rgb;
+    r.chromaticities = &nothing;
+    refuses(r, "exr", "its attribute chromaticities is broken");
+    recipe grey = small_grey;
+    grey.chromaticities = &nothing;
+    says(grey, "exr", NULL);
+    says(grey, "exp : png", NULL);
+    r.chromaticities = &aces;
+    r.neutral = &zero;
+    refuses(r, "png", "white cannot be adapted from adoptedNeutral (0,0) to D65; --adapt none");
+    says(r, "png --adapt none", NULL);
+
+    r = small_rgb;
+    r.chromaticities = &aces;
+    says(r, "png --explain", "white adapted to D65");
+    r.chromaticities = &xyz;
+    says(r, "png --explain", "converted to Rec.709, white left as it is");
+
+    recipe covered = {.width = 4, .height = 4, .channels = 4, .channel = {CONSTANT("A", UINT, 7), RGB_OF(0.5)}};
+    refuses(covered, "exr", "--alpha drop reads the colours without it");
+    says(covered, "exr --alpha drop", NULL);
+
+    refuses(small_rgb, "png --crop 0,0,99999,99999", "the rectangle of 99999 x 99999 pixels that --crop asks for");
+    refuses(small_rgb, "exr --crop=-2147483648,0,4,4", "a window from -2147483648,0 to -2147483645,3; the coordinates");
+    refuses(small_rgb, "exr --crop=-1073741823,0,4,4", "coordinates of an EXR");
+    refuses(small_rgb, "exr --crop=0,1073741820,4,4", "coordinates of an EXR");
+    says(small_rgb, "exr --crop=-1073741822,1073741819,4,4", NULL);
+    says(small_rgb, "png --crop=-2147483648,0,4,4", NULL);
+}
+
 /* ---- Frames ---- */
 
 static void check_frames(void) {
@@ -336,6 +379,7 @@ int main(void) {
     check_missing();
     check_over_encoded();
     check_states();
+    check_refusals();
     check_frames();
     check_kept();
     check_decoded_once();
