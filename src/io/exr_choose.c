@@ -21,17 +21,15 @@ size_t hdr_exr_layer_length(const char *channel) {
     return point ? (size_t)(point - channel) : 0;
 }
 
-/* Where the channel's own name begins: behind its layer's and the point. */
+/* Where the channel's own name begins: behind its layer's and the point. (That of .R is empty.) */
 static const char *own_name(const char *channel) {
-    const char *point = strrchr(channel, '.');
-    return point ? point + 1 : channel;
+    size_t layer = hdr_exr_layer_length(channel);
+    return channel + layer + (channel[layer] == '.');
 }
 
 static bool in_layer(const char *channel, const char *layer, bool any_case) {
-    size_t length = (size_t)(own_name(channel) - channel);
-    if (length == 0 || !*layer) return length == 0 && !*layer;
-    return strlen(layer) == length - 1 &&
-           (any_case ? strncasecmp(channel, layer, length - 1) : strncmp(channel, layer, length - 1)) == 0;
+    size_t length = hdr_exr_layer_length(channel);
+    return strlen(layer) == length && (any_case ? strncasecmp : strncmp)(channel, layer, length) == 0;
 }
 
 static void layer_of(const char *channel, char layer[HDR_CHANNEL_NAME]) {

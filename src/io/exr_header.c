@@ -3,6 +3,7 @@
 #include "io/exr_header.h"
 
 #include "io/exr_choose.h"
+#include "io/exr_compression.h"
 #include "io/exr_levels.h"
 #include "io/exr_text.h"
 #include "picture/colour.h"
@@ -33,13 +34,12 @@ static hdr_status parse(hdr_input *input, hdr_exr_header *header, hdr_error *err
 /* ---- What the header says ---- */
 
 static hdr_status read_compression(const char *name, hdr_exr_header *header, hdr_error *err) {
-    static const int rows[] = {1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
     exr_compression_t compression;
     if (exr_get_compression(header->context, 0, &compression) != EXR_ERR_SUCCESS ||
         !hdr_exr_compression_name((int)compression))
         return hdr_fail(err, HDR_BAD_DATA, "%s: its compression is not known", name);
     header->compression = compression;
-    header->chunk_rows = rows[compression];
+    header->chunk_rows = hdr_exr_chunk_lines((int)compression);
     snprintf(header->picture.compression, sizeof header->picture.compression, "%s",
              hdr_exr_compression_name((int)compression));
     return HDR_OK;

@@ -185,11 +185,10 @@ static hdr_status decode_chunk(struct exr_source *source, struct exr_worker *wor
  * stand. False: these are not, or something is wrong with them, which reading them one by one will tell. */
 static bool read_stored_lines(struct exr_source *source, struct exr_worker *worker, const hdr_block *block) {
     size_t pitch = leader_size(&source->header) + source->row_bytes, size = pitch * (size_t)block->rows;
-    const uint64_t *table = source->table + block->first_row;
+    if (source->header.compression != EXR_COMPRESSION_NONE || source->header.sampled) return false;
+    const uint64_t *table = source->table + block->first_row; /* each line has its chunk */
     int64_t file_size = hdr_input_size(source->input);
-    if (source->header.compression != EXR_COMPRESSION_NONE || source->header.sampled ||
-        table[0] < source->header.tables_end)
-        return false;
+    if (table[0] < source->header.tables_end) return false;
     for (int i = 1; i < block->rows; i++)
         if (table[i] - table[i - 1] != pitch) return false;
     if (file_size >= 0 && (table[0] > (uint64_t)file_size || size > (uint64_t)file_size - table[0])) return false;

@@ -278,6 +278,10 @@ static void check_small_letters(void) {
     expect(&file, "all three", (hdr_reading){.layer = "n"}, 0, NAMES("n.r", "n.g", "n.b"));
     expect(&file, "a word, and a letter alone", (hdr_reading){.layer = "w"}, 0, NAMES(NULL, NULL, "w.Blue"));
     free_file(&file);
+    struct made_file point = {.part = {{.name = "", .width = 3, .height = 2, .channel = {HALF(".R"), HALF("x")}}}};
+    if (!make_file(&point)) return;
+    expect(&point, "a name that begins with the point", (hdr_reading){.part = "0"}, 0, NAMES(".R"));
+    free_file(&point);
 }
 
 /* ---- Levels ---- */
@@ -409,30 +413,44 @@ static void check_crops(void) {
     }
 }
 
-/* Chunks outside are not looked at: there they may be missing. */
-static void check_crop_reads_no_more(void) {
+/* Chunks outside are not looked at: there they may be missing. Luminance and chroma of one resolution are no different.
+ */
+static void check_crop_reads_no_more(bool chroma) {
+    static const struct made_channel chromatic[] = {HALF("BY"), HALF("RY"), HALF("Y")};
     struct made_file file = {.part = {{.name = "",
                                        .width = 40,
                                        .height = 40,
                                        .tile = 10,
                                        .mode = EXR_TILE_ONE_LEVEL,
-                                       .compression = EXR_COMPRESSION_ZIP,
+                                       .compression = EXR_COMPRESSION_NONE,
                                        .channel = {HALF("Y")}}}};
+    if (chroma) memcpy(file.part[0].channel, chromatic, sizeof chromatic);
     hdr_error error;
     struct image image;
     if (!make_file(&file)) return;
     hdr_reading reading = {.cropped = true, .crop = {0, 0, 9, 9}};
-    file.bytes.size = file.bytes.size / 2;
-    CHECK(read_file(&file.bytes, reading, &image, &error) == HDR_OK, "the first tile of half a file: %s",
+    size_t tile = 20 + 10 * 10 * 2 * (chroma ? 3 : 1); /* 16 of them are the end of the file */
+    file.bytes.size -= 15 * tile;
+    CHECK(read_file(&file.bytes, reading, &image, &error) == HDR_OK, "the first tile where there are no others: %s",
           error.message);
     free_image(&image);
-    reading.crop = (hdr_window){0, 30, 9, 39};
+    reading.crop = (hdr_window){0, 0, 10, 9};
     CHECK(read_file(&file.bytes, reading, &image, &error) == HDR_BAD_DATA, "a tile that is not there");
     free_image(&image);
     free_file(&file);
 }
 
 /* ---- Contents ---- */
+
+/* The layer of each channel with a point in its name, of those in `several`. */
+static const char *layer_name(const char *channel) {
+    static const char *const layers[] = {"id", "only", "Diffuse", "diffuse", "forward.left", "gloss", "n"};
+    for (size_t i = 0; i < sizeof layers / sizeof layers[0]; i++) {
+        size_t length = strlen(layers[i]);
+        if (strncmp(channel, layers[i], length) == 0 && channel[length] == '.') return layers[i];
+    }
+    return "";
+}
 
 static void check_contents(void) {
     struct made_file file = several;
@@ -452,7 +470,8 @@ static void check_contents(void) {
               "part %d is listed as another", i);
         for (; made->channel[channels].name; channels++)
             CHECK(channels < part->channel_count &&
-                      strcmp(part->channels[channels].name, made->channel[channels].name) == 0,
+                      strcmp(part->channels[channels].name, made->channel[channels].name) == 0 &&
+                      strcmp(part->channels[channels].layer, layer_name(made->channel[channels].name)) == 0,
                   "part %d: channel %d", i, channels);
         CHECK(channels == part->channel_count, "part %d: %d channels", i, part->channel_count);
         bool found = false;
@@ -554,7 +573,8 @@ int main(void) {
     check_levels();
     check_level_windows();
     check_crops();
-    check_crop_reads_no_more();
+    check_crop_reads_no_more(false);
+    check_crop_reads_no_more(true);
     check_contents();
     check_part_numbers();
     check_damage();
