@@ -251,6 +251,20 @@ static void report_state(const planning *p, const hdr_verb *verb) {
                 name, p->state);
 }
 
+/* Colours that the file does not have, said once. */
+static void report_missing(const hdr_run *run) {
+    const hdr_picture *picture = &run->source->picture;
+    char names[8] = "";
+    int count = 0;
+    for (int c = 0; c < picture->planes; c++) {
+        if (picture->present[c] || run->spread) continue;
+        size_t used = strlen(names);
+        snprintf(names + used, sizeof names - used, "%s%c", count++ ? ", " : "", "RGB"[c]);
+    }
+    if (count)
+        hdr_say(run->listener, HDR_NOTE, "%s: no channel%s %s: taken as 0", run->name, count == 1 ? "" : "s", names);
+}
+
 /* A picture that stands behind the one that was read, as far as is known without waiting for a pipe. */
 static void report_more(const hdr_run *run) {
     if (run->source->end && hdr_input_has(run->input, run->source->end))
@@ -316,6 +330,7 @@ static hdr_status run_chain(hdr_chain *chain, hdr_input *input, const hdr_listen
         planning p = {.run = &run};
         if (!status) status = plan_filters(&p, &own);
         if (!status) status = end(&p, context, &own);
+        if (!status) report_missing(&run);
         if (!status) report_more(&run);
         hdr_run_close(&run);
     }

@@ -23,20 +23,6 @@ static hdr_status open_threads(hdr_run *run, hdr_error *err) {
     return HDR_OK;
 }
 
-/* Colours that the file does not have, said once. */
-static void report_missing(const hdr_run *run) {
-    const hdr_picture *picture = &run->source->picture;
-    char names[8] = "";
-    int count = 0;
-    for (int c = 0; c < picture->planes; c++) {
-        if (picture->present[c] || run->spread) continue;
-        size_t used = strlen(names);
-        snprintf(names + used, sizeof names - used, "%s%c", count++ ? ", " : "", "RGB"[c]);
-    }
-    if (count)
-        hdr_say(run->listener, HDR_NOTE, "%s: no channel%s %s: taken as 0", run->name, count == 1 ? "" : "s", names);
-}
-
 hdr_status hdr_run_open(hdr_run *run, const hdr_chain *chain, hdr_input *input, const hdr_listener *listener,
                         hdr_error *err) {
     *run = (hdr_run){.chain = chain, .settings = *hdr_chain_settings(chain), .listener = listener};
@@ -60,7 +46,6 @@ hdr_status hdr_run_open(hdr_run *run, const hdr_chain *chain, hdr_input *input, 
     hdr_say(listener, HDR_DETAIL, "%s: %lld x %lld, %s, %s; threads: %d; kernels: %s; memory: %.0f MB", run->name,
             (long long)hdr_window_width(&picture->data), (long long)hdr_window_height(&picture->data), picture->storage,
             picture->compression, run->thread_count, hdr_cpu_name(hdr_cpu()), (double)run->settings.memory * 1e-6);
-    report_missing(run);
     return open_threads(run, err);
 }
 
