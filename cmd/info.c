@@ -69,8 +69,8 @@ void cmd_print_json_text(const char *text) {
         size_t length = sequence_length(c);
         if (*c == '"' || *c == '\\')
             printf("\\%c", *c);
-        else if (length == 0 || *c < 0x20 || *c == 0x7f)
-            printf("\\u%04X", *c);
+        else if (length == 0 || is_control(c, length))
+            printf("\\u%04X", length == 2 ? c[1] : *c);
         else
             fwrite(c, 1, length, stdout);
         c += length ? length : 1;

@@ -61,6 +61,9 @@ check 'the part' grep -qF "part               0 $shown.R" "$work/stdout"
 check 'the listed layer' grep -qF "layer $shown" "$work/stdout"
 check 'the attribute' grep -qF "comments (string) $shown.R" "$work/stdout"
 
+expect_status 0 'info --json' "$hdr" info --json --channel "$(printf 'a\033[7m\177\302\233\233\303\251\303.R')" "$work/name.exr"
+check 'info --json: escaped' grep -qF "$(printf '"a\\u001B[7m\\u007F\\u009B\\u009B\303\251\\u00C3.R"')" "$work/stdout"
+
 # a file's own name
 control=$(printf '\033[7m')
 cp testdata/tiny/one.exr "$work/${control}a.exr"
