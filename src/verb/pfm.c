@@ -31,7 +31,7 @@ const hdr_verb hdr_verb_pfm = {
              "picture has one plane, else "
              "colour (PF). PFM has no alpha: colour is written as an EXR would hold it, over black. Nor can "
              "it tell primaries: if they are not Rec.709's, a note says so, and the values stay what they "
-             "are.\n\n"
+             "are. It is the same with values that are encoded.\n\n"
              "On reading, the sign of the scale is the byte order, and its size is ignored. The header's lines may "
              "end in CR LF.",
          .examples = examples,
