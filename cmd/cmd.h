@@ -41,6 +41,9 @@ const char *cmd_type_name(hdr_type type);
 void cmd_print_contents(const hdr_contents *contents);
 void cmd_print_contents_json(const hdr_contents *contents); /* one member of an object */
 
+/* info.c: text for people. Names in a file may hold any byte; what is no character that can be shown becomes '?'. */
+void cmd_print_plain(FILE *to, const char *text);
+
 /* info.c: JSON values, to standard output. */
 void cmd_print_json_text(const char *text);
 void cmd_print_json_number(double number); /* the shortest decimal that reads back as the same double */

@@ -4,42 +4,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Names in a file may hold anything; a terminal is to show text. */
-static void print_plain(const char *text) {
-    for (; *text; text++)
-        putchar((unsigned char)*text < ' ' || *text == 0x7f ? '?' : *text);
-}
-
 /* ---- Text ---- */
-
-/* Length of the layer in front of the last point, without the point. */
-static size_t layer_length(const char *channel) {
-    const char *point = strrchr(channel, '.');
-    return point ? (size_t)(point - channel) : 0;
-}
-
-static bool same_layer(const char *a, const char *b) {
-    size_t length = layer_length(a);
-    return length == layer_length(b) && !strncmp(a, b, length);
-}
 
 /* The channels of one layer, which begins with the first of them. */
 static void print_layer(const hdr_part *part, int first) {
-    const char *layer = part->channels[first].name, *between = "";
-    size_t length = layer_length(layer);
+    const char *layer = part->channels[first].layer, *between = "";
+    size_t own_name = *layer ? strlen(layer) + 1 : 0;
     char label[300];
-    if (length)
-        snprintf(label, sizeof label, "layer %.*s", (int)length, layer);
-    else
-        snprintf(label, sizeof label, "channels");
+    snprintf(label, sizeof label, "%s%s", *layer ? "layer " : "channels", layer);
     printf("    ");
-    print_plain(label);
+    cmd_print_plain(stdout, label);
     printf("%*s ", strlen(label) < 16 ? (int)(16 - strlen(label)) : 0, "");
     for (int i = first; i < part->channel_count; i++) {
         const hdr_listed_channel *channel = &part->channels[i];
-        if (!same_layer(channel->name, layer)) continue;
+        if (strcmp(channel->layer, layer) != 0) continue;
         printf("%s", between);
-        print_plain(channel->name + (length ? length + 1 : 0));
+        cmd_print_plain(stdout, channel->name + own_name);
         printf(" %s", cmd_type_name(channel->type));
         if (channel->x_sampling != 1 || channel->y_sampling != 1)
             printf(" (1 of %d x %d)", channel->x_sampling, channel->y_sampling);
@@ -52,15 +32,15 @@ static void print_layers(const hdr_part *part) {
     for (int i = 0; i < part->channel_count; i++) {
         bool seen = false;
         for (int earlier = 0; !seen && earlier < i; earlier++)
-            seen = same_layer(part->channels[earlier].name, part->channels[i].name);
+            seen = !strcmp(part->channels[earlier].layer, part->channels[i].layer);
         if (!seen) print_layer(part, i);
     }
 }
 
 static void print_part(const hdr_part *part) {
     printf("  part %d", part->number);
-    if (*part->name) printf(" "), print_plain(part->name);
-    if (*part->view) printf(", view "), print_plain(part->view);
+    if (*part->name) printf(" "), cmd_print_plain(stdout, part->name);
+    if (*part->view) printf(", view "), cmd_print_plain(stdout, part->view);
     printf(": %s, %s\n", part->storage, part->compression);
     printf("    ");
     cmd_print_window("data window", &part->data, 16);
@@ -73,18 +53,18 @@ static void print_part(const hdr_part *part) {
     }
     for (int i = 0; i < part->view_count; i++) {
         if (i == 0) printf("    %-16s ", "views");
-        print_plain(part->views[i]);
+        cmd_print_plain(stdout, part->views[i]);
         printf("%s", i + 1 < part->view_count ? ", " : "\n");
     }
     print_layers(part);
     for (int i = 0; i < part->attribute_count; i++) {
         const hdr_attribute *attribute = &part->attributes[i];
         printf("    %-16s ", i ? "" : "attributes");
-        print_plain(attribute->name);
+        cmd_print_plain(stdout, attribute->name);
         printf(" (");
-        print_plain(attribute->type);
+        cmd_print_plain(stdout, attribute->type);
         printf(")");
-        if (attribute->value) printf(" "), print_plain(attribute->value);
+        if (attribute->value) printf(" "), cmd_print_plain(stdout, attribute->value);
         putchar('\n');
     }
 }
@@ -105,11 +85,9 @@ static void print_json_channels(const hdr_part *part) {
     printf(", \"channels\": [");
     for (int i = 0; i < part->channel_count; i++) {
         const hdr_listed_channel *channel = &part->channels[i];
-        char layer[300];
-        snprintf(layer, sizeof layer, "%.*s", (int)layer_length(channel->name), channel->name);
         printf("%s{\"name\": ", i ? ", " : "");
         cmd_print_json_text(channel->name);
-        print_member("layer", layer);
+        print_member("layer", channel->layer);
         print_member("type", cmd_type_name(channel->type));
         printf(", \"sampling\": [%d, %d]}", channel->x_sampling, channel->y_sampling);
     }

@@ -34,10 +34,10 @@ void cmd_report(const hdr_error *error) {
 
 static void say(void *context, hdr_message kind, const char *line) {
     const hdr_settings *settings = context;
-    if (kind != HDR_NOTE)
-        fprintf(stderr, "%s\n", line);
-    else if (!settings->quiet)
-        fprintf(stderr, "hdr: %s\n", line);
+    if (kind == HDR_NOTE && settings->quiet) return;
+    if (kind == HDR_NOTE) fprintf(stderr, "hdr: ");
+    cmd_print_plain(stderr, line);
+    putc('\n', stderr);
 }
 
 hdr_listener cmd_listener(const hdr_chain *chain) {

@@ -28,7 +28,7 @@ hdr_status cmd_each_file(hdr_chain *chain, cmd_file_job job, hdr_error *error) {
     return status;
 }
 
-/* ---- JSON ---- */
+/* ---- Text ---- */
 
 /* The length of the UTF-8 sequence at text, or 0 when there is no valid one. */
 static size_t sequence_length(const unsigned char *text) {
@@ -44,6 +44,24 @@ static size_t sequence_length(const unsigned char *text) {
     return code < least[length] || code > 0x10ffff || surrogate || text[0] >= 0xf8 ? 0 : length;
 }
 
+/* A control character would act on the terminal: those below a space, DEL, and U+0080 to U+009F. */
+static bool is_control(const unsigned char *text, size_t length) {
+    return length == 1 ? *text < ' ' || *text == 0x7f : length == 2 && text[0] == 0xc2 && text[1] < 0xa0;
+}
+
+void cmd_print_plain(FILE *to, const char *text) {
+    for (const unsigned char *c = (const unsigned char *)text; *c;) {
+        size_t length = sequence_length(c);
+        if (length == 0 || is_control(c, length))
+            putc('?', to);
+        else
+            fwrite(c, 1, length, to);
+        c += length ? length : 1;
+    }
+}
+
+/* ---- JSON ---- */
+
 /* A file's name may hold any byte. One that is no UTF-8 is shown as the character of the same number. */
 void cmd_print_json_text(const char *text) {
     putchar('"');
@@ -51,8 +69,8 @@ void cmd_print_json_text(const char *text) {
         size_t length = sequence_length(c);
         if (*c == '"' || *c == '\\')
             printf("\\%c", *c);
-        else if (length == 0 || *c < 0x20 || *c == 0x7f)
-            printf("\\u%04X", *c);
+        else if (length == 0 || is_control(c, length))
+            printf("\\u%04X", length == 2 ? c[1] : *c);
         else
             fwrite(c, 1, length, stdout);
         c += length ? length : 1;
@@ -119,11 +137,18 @@ void cmd_print_window(const char *label, const hdr_window *window, int width) {
            window->min_y);
 }
 
-/* Which of the pictures that a file may hold it is; nothing where there is but one. */
+/* Which of the pictures that a file may hold it is, as far as it is not the first, nameless and at full size. */
 static void print_place(const hdr_picture *picture) {
-    if (picture->part || *picture->part_name)
-        printf("  %-18s %d%s%s\n", "part", picture->part, *picture->part_name ? " " : "", picture->part_name);
-    if (*picture->layer) printf("  %-18s %s\n", "layer", picture->layer);
+    if (picture->part || *picture->part_name) {
+        printf("  %-18s %d%s", "part", picture->part, *picture->part_name ? " " : "");
+        cmd_print_plain(stdout, picture->part_name);
+        putchar('\n');
+    }
+    if (*picture->layer) {
+        printf("  %-18s ", "layer");
+        cmd_print_plain(stdout, picture->layer);
+        putchar('\n');
+    }
     if (picture->level) printf("  %-18s %d\n", "level", picture->level);
 }
 
@@ -133,10 +158,9 @@ static void print_channels(const hdr_picture *picture) {
     for (int plane = 0; plane < 4; plane++) {
         const hdr_channel *channel = &picture->channels[plane];
         if (!has_plane(picture, plane)) continue;
-        if (picture->present[plane])
-            printf("%s%s %s", between, channel->name, cmd_type_name(channel->type));
-        else
-            printf("%s%s missing", between, cmd_plane_name(picture, plane));
+        printf("%s", between);
+        cmd_print_plain(stdout, picture->present[plane] ? channel->name : cmd_plane_name(picture, plane));
+        printf(" %s", picture->present[plane] ? cmd_type_name(channel->type) : "missing");
         between = ", ";
     }
     putchar('\n');
@@ -214,7 +238,8 @@ void cmd_print_picture_json(const hdr_picture *picture) {
 
 static void print_all(const char *name, bool json, const hdr_picture *picture, const hdr_contents *contents) {
     if (!json) {
-        printf("%s\n", name);
+        cmd_print_plain(stdout, name);
+        putchar('\n');
         if (picture) cmd_print_picture(picture);
         cmd_print_contents(contents);
         return;

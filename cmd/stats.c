@@ -112,7 +112,8 @@ static hdr_status print_stats(hdr_chain *chain, hdr_input *input, const char *na
         print_json(&stats, name);
         return HDR_OK;
     }
-    printf("%s\n", name);
+    cmd_print_plain(stdout, name);
+    putchar('\n');
     print_text(&stats);
     return HDR_OK;
 }

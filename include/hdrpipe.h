@@ -309,6 +309,7 @@ hdr_status hdr_input_picture(hdr_input *input, const hdr_chain *chain, hdr_pictu
  */
 typedef struct hdr_listed_channel {
     const char *name;
+    const char *layer; /* what stands before the last point of the name; empty: nothing */
     hdr_type type;
     int x_sampling, y_sampling;
 } hdr_listed_channel;

@@ -1,6 +1,7 @@
 /* A chain resolved against the facts, clause by clause, and run. */
 #include "chain/run.h"
 
+#include "io/input.h"
 #include "picture/colour.h"
 
 #include <math.h>
@@ -38,8 +39,11 @@ static hdr_status append_step(planning *p, const hdr_step *step, hdr_error *err)
 
 static hdr_status start_colour(planning *p, hdr_error *err) {
     const hdr_picture *picture = &p->run->source->picture;
-    if (!hdr_luminance_weights(&picture->chromaticities, p->run->weights))
-        return hdr_fail(err, HDR_BAD_DATA, "the chromaticities span no triangle");
+    /* one plane is luminance itself, whatever its primaries would be */
+    const hdr_chromaticities *primaries = picture->planes == 1 ? &hdr_rec709 : &picture->chromaticities;
+    if (!hdr_luminance_weights(primaries, p->run->weights))
+        return hdr_fail(err, HDR_BAD_DATA, "its %s broken: the primaries span no triangle, or white has no light",
+                        strcmp(picture->format, "exr") ? "PRIMARIES are" : "attribute chromaticities is");
     p->foreign = picture->planes == 3 && hdr_chromaticities_differ(&picture->chromaticities, &hdr_rec709) &&
                  p->run->chain->common.primaries != HDR_PRIMARIES_KEEP;
     return HDR_OK;
@@ -50,11 +54,14 @@ static hdr_status start_colour(planning *p, hdr_error *err) {
 static hdr_status convert_primaries(planning *p, hdr_error *err) {
     hdr_run *run = p->run;
     const hdr_picture *picture = &run->source->picture;
-    bool adapt = run->chain->common.adapt != HDR_ADAPT_NONE;
+    bool adapt = run->chain->common.adapt != HDR_ADAPT_NONE && !hdr_primaries_are_xyz(&picture->chromaticities);
     const double *neutral = picture->has_neutral ? picture->neutral : picture->chromaticities.white;
     hdr_step step = {.form = HDR_FORM_MATRIX};
     if (!hdr_matrix_to_rec709(&picture->chromaticities, neutral, adapt, step.matrix))
-        return hdr_fail(err, HDR_BAD_DATA, "the chromaticities cannot be converted to Rec.709");
+        return hdr_fail(err, HDR_BAD_DATA,
+                        "its chromaticities cannot be converted to Rec.709: white cannot be adapted from %s (%g,%g) to "
+                        "D65; --adapt none leaves it as it is",
+                        picture->has_neutral ? "adoptedNeutral" : "their white", neutral[0], neutral[1]);
     hdr_status status = append_step(p, &step, err);
     if (status) return status;
     hdr_luminance_weights(&hdr_rec709, run->weights);
@@ -280,6 +287,37 @@ static hdr_status suit_primaries(planning *p, const hdr_verb *verb, hdr_error *e
     return HDR_OK;
 }
 
+/* Encoded values, in a format that cannot say so. */
+static void report_state(const planning *p, const hdr_verb *verb) {
+    const char *name = verb->about.name;
+    if (!strcmp(p->state, "linear")) return;
+    if (verb->format->states == HDR_STATES_LOST)
+        hdr_say(p->run->listener, HDR_NOTE, "%s cannot tell that the picture is encoded (%s)", name, p->state);
+    if (verb->format->states == HDR_STATES_SRGB && strcmp(p->state, "srgb") != 0)
+        hdr_say(p->run->listener, HDR_NOTE, "%s cannot tell how the picture is encoded (%s): readers take it for sRGB",
+                name, p->state);
+}
+
+/* Colours that the file does not have, said once. */
+static void report_missing(const hdr_run *run) {
+    const hdr_picture *picture = &run->source->picture;
+    char names[8] = "";
+    int count = 0;
+    for (int c = 0; c < picture->planes; c++) {
+        if (picture->present[c] || run->spread) continue;
+        size_t used = strlen(names);
+        snprintf(names + used, sizeof names - used, "%s%c", count++ ? ", " : "", "RGB"[c]);
+    }
+    if (count)
+        hdr_say(run->listener, HDR_NOTE, "%s: no channel%s %s: taken as 0", run->name, count == 1 ? "" : "s", names);
+}
+
+/* A picture that stands behind the one that was read, as far as is known without waiting for a pipe. */
+static void report_more(const hdr_run *run) {
+    if (run->source->end && hdr_input_has(run->input, run->source->end))
+        hdr_say(run->listener, HDR_NOTE, "%s: there is more behind the first frame, which alone is read", run->name);
+}
+
 static hdr_status write_picture(planning *p, const hdr_verb *format, hdr_output *output, hdr_error *err) {
     const hdr_chain *chain = p->run->chain;
     const hdr_clause *last = chain->count ? &chain->clauses[chain->count - 1] : NULL;
@@ -288,6 +326,7 @@ static hdr_status write_picture(planning *p, const hdr_verb *format, hdr_output 
     hdr_options_default(format->about.options, params);
     if (last && last->verb == format) memcpy(params, last->params, format->params_size);
     hdr_status status = format->format->codes ? encode_for_codes(p, err) : suit_primaries(p, format, err);
+    if (!status) report_state(p, format);
     if (!status) status = hdr_run_write(p->run, format, params, output, p->state, p->bits, p->converted, err);
     if (!status && !format->format->alpha && !p->run->raw.opaque)
         hdr_say(p->run->listener, HDR_NOTE, "%s has no alpha: it is left out", format->about.name);
@@ -338,6 +377,8 @@ static hdr_status run_chain(hdr_chain *chain, hdr_input *input, const hdr_listen
         planning p = {.run = &run};
         if (!status) status = plan_filters(&p, &own);
         if (!status) status = end(&p, context, &own);
+        if (!status) report_missing(&run);
+        if (!status) report_more(&run);
         hdr_plane_free(p.luminance);
         hdr_run_close(&run);
     }

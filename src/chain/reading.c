@@ -62,6 +62,7 @@ hdr_reading hdr_chain_reading(const hdr_chain *chain) {
                            .part = common->part,
                            .layer = common->layer,
                            .channel = common->channel,
+                           .no_alpha = common->alpha.how == HDR_ALPHA_DROP,
                            .cropped = common->crop != NULL};
     if (common->level) read_level(common->level, &reading); /* both were checked when they were given */
     if (common->crop) read_crop(common->crop, &reading.crop);

@@ -7,6 +7,7 @@
 #include <time.h>
 
 enum { KEPT_EMPTY, KEPT_FILLING, KEPT_WHOLE };
+enum { KEPT_ALIGNED = 8, KEPT_SLACK = 5 * KEPT_ALIGNED /* a block's: of its beginning, and of each plane's end */ };
 
 /* ---- Opening and closing ---- */
 
@@ -34,7 +35,8 @@ hdr_status hdr_run_open(hdr_run *run, const hdr_chain *chain, hdr_input *input, 
     if (run->thread_count < 1) run->thread_count = 1;
     run->pool = hdr_pool_new(run->thread_count, err);
     if (!run->pool) return err->status;
-    hdr_run_choose_alpha(run);
+    hdr_status status = hdr_run_choose_alpha(run, err);
+    if (status) return status;
     const hdr_picture *picture = &run->source->picture;
     run->raw.grey = picture->planes == 1;
     run->raw.opaque = !picture->has_alpha;
@@ -55,6 +57,7 @@ void hdr_run_close(hdr_run *run) {
     }
     free(run->threads);
     if (run->kept) hdr_free_pages(run->kept, run->kept_size);
+    free(run->looked_at);
     free(run->kept_state);
     for (int i = 0; i < run->surround_count; i++)
         hdr_plane_free(run->surrounds[i]);
@@ -65,8 +68,18 @@ void hdr_run_close(hdr_run *run) {
 
 /* ---- Blocks ---- */
 
+static uint64_t aligned(uint64_t size) {
+    return (size + KEPT_ALIGNED - 1) / KEPT_ALIGNED * KEPT_ALIGNED;
+}
+
+/* Where a block begins among those that are kept. */
+static uint64_t kept_place(const hdr_run *run, int block) {
+    uint64_t rows = (uint64_t)hdr_source_first_row(run->source, block);
+    return aligned(rows * run->kept_row) + (uint64_t)block * KEPT_SLACK;
+}
+
 void hdr_run_keep(hdr_run *run) {
-    uint64_t size = (uint64_t)run->kept_row * (uint64_t)hdr_window_height(&run->source->picture.data);
+    uint64_t size = kept_place(run, run->source->blocks);
     if (run->kept || size > run->settings.memory / 2 || size > SIZE_MAX) return;
     run->kept_state = hdr_alloc((size_t)run->source->blocks, sizeof *run->kept_state);
     run->kept = run->kept_state ? hdr_alloc_pages((size_t)size) : NULL;
@@ -74,27 +87,34 @@ void hdr_run_keep(hdr_run *run) {
     /* without the memory the blocks are decoded again: no fault */
 }
 
-/* Where a kept block lies: its channels one after the other, each in whole rows. */
-static void kept_block(const hdr_run *run, int block, hdr_block *out) {
+/* A block whose channels lie one after the other from `at` on, each in whole rows and aligned to any type. */
+static void lay_out_block(const hdr_run *run, int block, unsigned char *at, hdr_block *out) {
     const hdr_picture *picture = &run->source->picture;
     int first = hdr_source_first_row(run->source, block);
-    unsigned char *at = run->kept + (size_t)first * run->kept_row;
     *out = (hdr_block){.first_row = first, .rows = hdr_source_first_row(run->source, block + 1) - first};
-    /* channels of four bytes first: every plane stays aligned to its type */
-    for (int pass = 0; pass < 2; pass++)
-        for (int c = 0; c < 4; c++) {
-            hdr_type type = picture->channels[c].type;
-            if (!picture->present[c] || (hdr_type_size(type) == 4) != (pass == 0)) continue;
-            out->type[c] = type;
-            out->stride[c] = hdr_type_size(type) * (size_t)hdr_window_width(&picture->data);
-            out->plane[c] = at;
-            at += out->stride[c] * (size_t)out->rows;
-        }
+    for (int c = 0; c < 4; c++) {
+        if (!picture->present[c]) continue;
+        out->type[c] = picture->channels[c].type;
+        out->stride[c] = hdr_type_size(out->type[c]) * (size_t)hdr_window_width(&picture->data);
+        out->plane[c] = at;
+        at += aligned(out->stride[c] * (size_t)out->rows);
+    }
+}
+
+static void copy_block(const hdr_block *from, const hdr_block *to) {
+    for (int c = 0; c < 4; c++)
+        for (int row = 0; to->plane[c] && row < to->rows; row++)
+            memcpy((unsigned char *)to->plane[c] + (size_t)row * to->stride[c],
+                   from->plane[c] + (size_t)row * from->stride[c], to->stride[c]);
 }
 
 hdr_status hdr_run_read(hdr_run *run, int thread, int block, hdr_block *out, hdr_error *err) {
     if (run->kept && atomic_load_explicit(&run->kept_state[block], memory_order_acquire) == KEPT_WHOLE) {
-        kept_block(run, block, out);
+        lay_out_block(run, block, run->kept + kept_place(run, block), out);
+        return HDR_OK;
+    }
+    if (run->looked_at && block == run->looked_at_block) {
+        lay_out_block(run, block, run->looked_at, out);
         return HDR_OK;
     }
     hdr_status status = run->source->read(run->source, run->threads[thread].worker, block, out, err);
@@ -103,11 +123,8 @@ hdr_status hdr_run_read(hdr_run *run, int thread, int block, hdr_block *out, hdr
     unsigned char empty = KEPT_EMPTY;
     if (!atomic_compare_exchange_strong(&run->kept_state[block], &empty, KEPT_FILLING)) return HDR_OK;
     hdr_block kept;
-    kept_block(run, block, &kept);
-    for (int c = 0; c < 4; c++)
-        for (int row = 0; kept.plane[c] && row < out->rows; row++)
-            memcpy((unsigned char *)kept.plane[c] + (size_t)row * kept.stride[c],
-                   out->plane[c] + (size_t)row * out->stride[c], kept.stride[c]);
+    lay_out_block(run, block, run->kept + kept_place(run, block), &kept);
+    copy_block(out, &kept);
     atomic_store_explicit(&run->kept_state[block], KEPT_WHOLE, memory_order_release);
     *out = kept; /* warm, and valid beyond the worker's next read */
     return HDR_OK;
@@ -352,12 +369,25 @@ hdr_status hdr_run_sweep(hdr_run *run, const hdr_sweep *sweep, hdr_error *err) {
     }
 }
 
+/* The block that a guess is made of need not be decoded again. Without memory it is: no fault. */
+static void keep_looked_at(hdr_run *run, int block, const hdr_block *in) {
+    hdr_block kept;
+    if (run->kept || run->looked_at) return;
+    run->looked_at = hdr_alloc(run->kept_row * (size_t)in->rows + KEPT_SLACK, 1);
+    run->looked_at_block = block;
+    if (!run->looked_at) return;
+    lay_out_block(run, block, run->looked_at, &kept);
+    copy_block(in, &kept);
+}
+
 static hdr_status guess_job(void *context, int item, int thread, hdr_error *err) {
     (void)item;
     hdr_run *run = context;
     hdr_block in;
-    hdr_status status = hdr_run_read(run, thread, run->source->blocks / 2, &in, err);
+    int block = run->source->blocks / 2;
+    hdr_status status = hdr_run_read(run, thread, block, &in, err);
     if (status) return status;
+    keep_looked_at(run, block, &in);
     int64_t width = hdr_window_width(&run->source->picture.data);
     size_t count = width < HDR_STRIP ? (size_t)width : HDR_STRIP;
     for (int row = 0; row < in.rows; row++) {
@@ -375,7 +405,8 @@ static hdr_status guess_job(void *context, int item, int thread, hdr_error *err)
 
 hdr_status hdr_run_guess(hdr_run *run, bool grey_matters, hdr_error *err) {
     const hdr_picture *picture = &run->source->picture;
-    if (run->raw.certain || run->source->blocks == 0 || (picture->planes == 1 && !picture->has_alpha)) return HDR_OK;
+    bool of_colour = picture->planes == 3 && grey_matters;
+    if (run->raw.certain || run->source->blocks == 0 || (!of_colour && !picture->has_alpha)) return HDR_OK;
     for (int t = 0; t < run->thread_count; t++)
         run->threads[t].watch = (hdr_watch){0};
     hdr_status status = hdr_pool_run(run->pool, 1, guess_job, run, err);
@@ -440,14 +471,22 @@ static hdr_status facts_job(void *context, int item, int thread, hdr_error *err)
     return HDR_OK;
 }
 
+/* As they are stored: neither a step, nor alpha, nor a colour below has touched them; and whole numbers may have more
+ * digits than a float. */
+static bool are_float_components(const hdr_run *run) {
+    const hdr_picture *picture = &run->source->picture;
+    bool stored = run->step_count == 0 && !picture->has_alpha && !run->over;
+    for (int c = 0; c < picture->planes; c++)
+        stored &= picture->channels[c].type != HDR_UINT;
+    return stored;
+}
+
 hdr_status hdr_run_facts(hdr_run *run, const hdr_request *request, hdr_facts *facts, hdr_plane *plane, hdr_error *err) {
     if (request->percentiles) hdr_run_keep(run);
     facts_sweep sweep = {.run = run, .plane = plane, .whole = request->facts & HDR_FACT_CHANNELS};
     sweep.reduce = run->raw.certain && !sweep.whole;
     int height = (int)hdr_window_height(&run->source->picture.data);
-    /* as they are stored: neither a step nor a division by alpha has touched them */
-    bool stored = run->step_count == 0 && !run->source->picture.has_alpha;
-    sweep.taking = hdr_taking_new(request, height, run->thread_count, stored, err);
+    sweep.taking = hdr_taking_new(request, height, run->thread_count, are_float_components(run), err);
     if (!sweep.taking) return err->status;
     hdr_status status;
     do {

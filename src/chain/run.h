@@ -59,6 +59,8 @@ typedef struct hdr_run {
     unsigned char *kept;
     size_t kept_size, kept_row; /* kept_row: bytes of a row of all channels that are read */
     atomic_uchar *kept_state;   /* of each block: empty, being filled, whole */
+    unsigned char *looked_at;   /* the block that was looked at to guess, or NULL */
+    int looked_at_block;
 } hdr_run;
 
 /* Opens everything: head, source, pool. Free with hdr_run_close in any case; the chain is the one behind the head. */
@@ -105,8 +107,11 @@ hdr_status hdr_run_guess(hdr_run *run, bool grey_matters, hdr_error *err);
 
 /* ---- alpha.c ---- */
 
-/* Makes the source's picture what --alpha says. */
-void hdr_run_choose_alpha(hdr_run *run);
+/* Makes the source's picture what --alpha says. HDR_BAD_DATA: it cannot be laid over a colour. */
+hdr_status hdr_run_choose_alpha(hdr_run *run, hdr_error *err);
+
+/* Whether the picture that is written has pixels outside the data window. */
+bool hdr_run_has_border(const hdr_run *run);
 
 /* ---- write.c ---- */
 

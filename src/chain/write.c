@@ -51,13 +51,6 @@ static void cut_bands(writing *w) {
 
 /* ---- An attempt ---- */
 
-/* Whether the picture that is written has pixels outside the data window. */
-static bool has_border(const writing *w) {
-    const hdr_window *data = &w->run->source->picture.data, *window = &w->frame.data;
-    return window->min_x < data->min_x || window->max_x > data->max_x || window->min_y < data->min_y ||
-           window->max_y > data->max_y;
-}
-
 static void close_sink(writing *w) {
     for (int t = 0; t < w->run->thread_count; t++) {
         hdr_thread *thread = &w->run->threads[t];
@@ -123,7 +116,7 @@ static hdr_status begin_attempt(void *context, int *items, hdr_error *err) {
     hdr_status status = hdr_output_restart(w->output, err);
     if (status) return status;
     w->frame.planes = picture->planes == 3 && run->raw.grey && w->may_be_grey ? 1 : picture->planes;
-    w->frame.alpha = w->format->format->alpha && picture->has_alpha && (!run->raw.opaque || has_border(w));
+    w->frame.alpha = w->format->format->alpha && picture->has_alpha && (!run->raw.opaque || hdr_run_has_border(run));
     w->sink = w->format->format->create(w->params, w->output, &w->frame, err);
     if (!w->sink) return err->status;
     cut_bands(w);
@@ -308,7 +301,14 @@ static hdr_status choose_frame(writing *w, hdr_error *err) {
         return hdr_fail(err, HDR_BAD_DATA,
                         "there are no pixels in the rectangle that --crop leaves: only --window "
                         "display can be written, black");
-    if (width < 1 || height < 1 || width > INT32_MAX || height > INT32_MAX || (area > 0x1p27 && area > 64 * data_area))
+    bool unfit =
+        width < 1 || height < 1 || width > INT32_MAX || height > INT32_MAX || (area > 0x1p27 && area > 64 * data_area);
+    if (unfit && w->run->chain->common.crop)
+        return hdr_fail(err, HDR_BAD_DATA,
+                        "the rectangle of %lld x %lld pixels that --crop asks for cannot be written: the picture has "
+                        "%.0f pixels in it",
+                        (long long)width, (long long)height, data_area);
+    if (unfit)
         return hdr_fail(err, HDR_BAD_DATA,
                         "the display window of %lld x %lld pixels cannot be written; try --window data",
                         (long long)width, (long long)height);
@@ -332,7 +332,7 @@ static bool is_settled(const writing *w) {
     const hdr_run *run = w->run;
     const hdr_picture *picture = &run->source->picture;
     bool colour = !w->may_be_grey || picture->planes == 1 || !run->raw.grey;
-    bool alpha = !w->format->format->alpha || !picture->has_alpha || !run->raw.opaque || has_border(w);
+    bool alpha = !w->format->format->alpha || !picture->has_alpha || !run->raw.opaque || hdr_run_has_border(run);
     return colour && alpha;
 }
 

@@ -74,7 +74,7 @@ hdr_contents *hdr_contents_of_picture(const hdr_picture *picture, hdr_error *err
         if (!picture->present[i]) continue;
         const char *name = hdr_listing_text(listing, picture->channels[i].name, err);
         if (!name) goto fail;
-        channels[part->channel_count++] = (hdr_listed_channel){name, picture->channels[i].type, 1, 1};
+        channels[part->channel_count++] = (hdr_listed_channel){name, "", picture->channels[i].type, 1, 1};
     }
     return &listing->contents;
 fail:

@@ -66,6 +66,7 @@ hdr_source *hdr_crop_open(hdr_source *whole, const hdr_window *rectangle, hdr_er
     source->whole = whole;
     source->base = (hdr_source){.picture = whole->picture,
                                 .block_rows = whole->block_rows,
+                                .end = whole->end,
                                 .worker_new = worker_new,
                                 .read = read_block,
                                 .worker_free = worker_free,

@@ -16,60 +16,84 @@ static bool same(const char *a, const char *b, bool any_case) {
     return any_case ? strcasecmp(a, b) == 0 : strcmp(a, b) == 0;
 }
 
-/* Where the channel's own name begins: behind its layer's and the point. */
-static const char *own_name(const char *channel) {
+size_t hdr_exr_layer_length(const char *channel) {
     const char *point = strrchr(channel, '.');
-    return point ? point + 1 : channel;
+    return point ? (size_t)(point - channel) : 0;
+}
+
+/* Where the channel's own name begins: behind its layer's and the point. (That of .R is empty.) */
+static const char *own_name(const char *channel) {
+    size_t layer = hdr_exr_layer_length(channel);
+    return channel + layer + (channel[layer] == '.');
 }
 
 static bool in_layer(const char *channel, const char *layer, bool any_case) {
-    size_t length = (size_t)(own_name(channel) - channel);
-    if (length == 0 || !*layer) return length == 0 && !*layer;
-    return strlen(layer) == length - 1 &&
-           (any_case ? strncasecmp(channel, layer, length - 1) : strncmp(channel, layer, length - 1)) == 0;
+    size_t length = hdr_exr_layer_length(channel);
+    return strlen(layer) == length && (any_case ? strncasecmp : strncmp)(channel, layer, length) == 0;
 }
 
 static void layer_of(const char *channel, char layer[HDR_CHANNEL_NAME]) {
-    size_t length = (size_t)(own_name(channel) - channel);
-    snprintf(layer, HDR_CHANNEL_NAME, "%.*s", length ? (int)length - 1 : 0, channel);
+    snprintf(layer, HDR_CHANNEL_NAME, "%.*s", (int)hdr_exr_layer_length(channel), channel);
 }
 
 /* ---- Channels of a layer ---- */
 
-/* The first spelling is the best; any case of the others will do. Luminance has one alone: y and x are coordinates as a
- * rule. */
-static const char *const colours[4][4] = {
-    {"R", "r", "red", NULL}, {"G", "g", "green", NULL}, {"B", "b", "blue", NULL}, {"A", "a", "alpha", NULL}};
+/* The first spelling is the best; of a word any case will do. A single small letter may mean anything (b of L, a, b):
+ * it is taken for a colour only where all three are there. Luminance has one spelling alone: y and x are coordinates as
+ * a rule. */
+enum { CAPITAL, SMALL, WORD, SPELLINGS };
+static const char *const colours[4][SPELLINGS] = {
+    {"R", "r", "red"}, {"G", "g", "green"}, {"B", "b", "blue"}, {"A", "a", "alpha"}};
 static const char luminance_name[] = "Y";
 
-static bool is_colour(const char *channel) {
-    const char *name = own_name(channel);
-    for (int i = 0; i < 3; i++)
-        for (int s = 0; colours[i][s]; s++)
-            if (same(name, colours[i][s], s > 0)) return true;
-    return same(name, luminance_name, false);
-}
-
-/* The channel of the layer that goes by one of the spellings. */
-static const char *find(const hdr_exr_part *part, const char *layer, const char *const *spellings) {
-    for (int s = 0; spellings[s]; s++)
-        for (int i = 0; i < part->channel_count; i++) {
-            const char *name = part->channels[i].name;
-            if (in_layer(name, layer, false) && same(own_name(name), spellings[s], s > 0)) return name;
-        }
+/* The channel of the layer that is called so. */
+static const char *find_name(const hdr_exr_part *part, const char *layer, const char *wanted, bool any_case) {
+    for (int i = 0; i < part->channel_count; i++) {
+        const char *name = part->channels[i].name;
+        if (in_layer(name, layer, false) && same(own_name(name), wanted, any_case)) return name;
+    }
     return NULL;
 }
 
+static bool has_small_colours(const hdr_exr_part *part, const char *layer) {
+    for (int c = 0; c < 3; c++)
+        if (!find_name(part, layer, colours[c][SMALL], false)) return false;
+    return true;
+}
+
+/* The layer's channel of that colour, in its best spelling. */
+static const char *find_colour(const hdr_exr_part *part, const char *layer, int colour) {
+    for (int s = 0; s < SPELLINGS; s++) {
+        if (s == SMALL && colour < 3 && !has_small_colours(part, layer)) continue;
+        const char *name = find_name(part, layer, colours[colour][s], s == WORD);
+        if (name) return name;
+    }
+    return NULL;
+}
+
+static bool is_colour(const hdr_exr_part *part, const char *channel) {
+    const char *name = own_name(channel);
+    char layer[HDR_CHANNEL_NAME];
+    for (int c = 0; c < 3; c++)
+        if (same(name, colours[c][CAPITAL], false) || same(name, colours[c][WORD], true)) return true;
+    for (int c = 0; c < 3; c++)
+        if (same(name, colours[c][SMALL], false)) {
+            layer_of(channel, layer);
+            return has_small_colours(part, layer);
+        }
+    return same(name, luminance_name, false);
+}
+
 static bool take_colour(const hdr_exr_part *part, const char *layer, hdr_exr_choice *choice) {
-    static const char *const luminance[] = {luminance_name, NULL}, *const chroma[2][2] = {{"RY", NULL}, {"BY", NULL}};
+    static const char *const chroma[2] = {"RY", "BY"};
     *choice = (hdr_exr_choice){.planes = 3};
     for (int i = 0; i < 4; i++)
-        choice->channel[i] = find(part, layer, colours[i]);
+        choice->channel[i] = find_colour(part, layer, i);
     if (!choice->channel[0] && !choice->channel[1] && !choice->channel[2]) {
         choice->planes = 1;
-        choice->channel[0] = find(part, layer, luminance);
+        choice->channel[0] = find_name(part, layer, luminance_name, false);
         for (int i = 0; i < 2; i++)
-            choice->chroma[i] = find(part, layer, chroma[i]);
+            choice->chroma[i] = find_name(part, layer, chroma[i], false);
     }
     snprintf(choice->layer, sizeof choice->layer, "%s", layer);
     return choice->planes == 3 || choice->channel[0];
@@ -80,7 +104,7 @@ static bool take_layer(const hdr_exr_part *part, const char *wanted, bool any_ca
     for (int i = 0; i < part->channel_count; i++) {
         char layer[HDR_CHANNEL_NAME];
         const char *name = part->channels[i].name;
-        if (!in_layer(name, wanted, any_case) || !is_colour(name)) continue;
+        if (!in_layer(name, wanted, any_case) || !is_colour(part, name)) continue;
         layer_of(name, layer);
         return take_colour(part, layer, choice);
     }
@@ -94,7 +118,7 @@ static bool take_main_layer(const hdr_exr_part *part, hdr_exr_choice *choice) {
     for (int i = 0; i < part->channel_count; i++) {
         char layer[HDR_CHANNEL_NAME];
         const char *name = part->channels[i].name;
-        if (!is_colour(name) || (found.planes && in_layer(name, found.layer, false))) continue;
+        if (!is_colour(part, name) || (found.planes && in_layer(name, found.layer, false))) continue;
         if (found.planes) return false;
         layer_of(name, layer);
         take_colour(part, layer, &found);
@@ -127,8 +151,38 @@ static bool as_layer(const hdr_exr_part *part, const hdr_reading *reading, bool 
     return length < (int)sizeof with_view && take_layer(part, with_view, any_case, choice);
 }
 
+static bool is_view(const hdr_exr_part *part, const char *wanted, bool any_case) {
+    return *part->view && same(part->view, wanted, any_case);
+}
+
+/* A view may be spread over parts, one for each layer: its picture is the part with the unnamed one. */
 static bool as_view(const hdr_exr_part *part, const hdr_reading *reading, bool any_case, hdr_exr_choice *choice) {
-    return *part->view && same(part->view, reading->layer, any_case) && take_main_layer(part, choice);
+    return is_view(part, reading->layer, any_case) && take_colour(part, "", choice);
+}
+
+/* Where no part of the view has an unnamed layer: the first that has a single one. */
+static bool as_view_of_layers(const hdr_exr_part *part, const hdr_reading *reading, bool any_case,
+                              hdr_exr_choice *choice) {
+    return is_view(part, reading->layer, any_case) && take_main_layer(part, choice);
+}
+
+/* What is left of "diffuse.right" or "right.diffuse" where the part's view is right. */
+static bool layer_in_view(const hdr_exr_part *part, const char *wanted, bool any_case, char layer[HDR_CHANNEL_NAME]) {
+    size_t view = strlen(part->view), length = strlen(wanted);
+    if (view == 0 || length < view + 2 || length - view - 1 >= HDR_CHANNEL_NAME) return false;
+    const char *last = wanted + length - view;
+    if (last[-1] == '.' && same(part->view, last, any_case)) {
+        snprintf(layer, HDR_CHANNEL_NAME, "%.*s", (int)(length - view - 1), wanted);
+        return true;
+    }
+    snprintf(layer, HDR_CHANNEL_NAME, "%s", wanted + view + 1);
+    return wanted[view] == '.' && (any_case ? strncasecmp : strncmp)(part->view, wanted, view) == 0;
+}
+
+static bool as_layer_in_view(const hdr_exr_part *part, const hdr_reading *reading, bool any_case,
+                             hdr_exr_choice *choice) {
+    char layer[HDR_CHANNEL_NAME];
+    return layer_in_view(part, reading->layer, any_case, layer) && take_layer(part, layer, any_case, choice);
 }
 
 static bool as_part(const hdr_exr_part *part, const hdr_reading *reading, bool any_case, hdr_exr_choice *choice) {
@@ -138,13 +192,15 @@ static bool as_part(const hdr_exr_part *part, const hdr_reading *reading, bool a
 /* A channel by its whole name, or by its name within the layer, view or part that is asked for. */
 static bool as_channel(const hdr_exr_part *part, const hdr_reading *reading, bool any_case, hdr_exr_choice *choice) {
     const char *layer = reading->layer;
-    bool whole = !layer || (*part->view && same(part->view, layer, any_case)) ||
-                 (*part->name && same(part->name, layer, any_case)) ||
+    char in_view[HDR_CHANNEL_NAME];
+    bool viewed = layer && layer_in_view(part, layer, any_case, in_view);
+    bool whole = !layer || is_view(part, layer, any_case) || (*part->name && same(part->name, layer, any_case)) ||
                  (*default_view(part) && same(default_view(part), layer, any_case));
     for (int i = 0; i < part->channel_count; i++) {
         const char *name = part->channels[i].name;
+        bool within = layer && (in_layer(name, layer, any_case) || (viewed && in_layer(name, in_view, any_case)));
         if (!(whole && same(name, reading->channel, any_case)) &&
-            !(layer && in_layer(name, layer, any_case) && same(own_name(name), reading->channel, any_case)))
+            !(within && same(own_name(name), reading->channel, any_case)))
             continue;
         *choice = (hdr_exr_choice){.single = true, .planes = 1, .channel = {name}};
         layer_of(name, choice->layer);
@@ -179,7 +235,9 @@ static bool find_part(const hdr_exr_file *file, const char *wanted, int *first, 
 /* The first part of those that has what is wanted, in the best way. */
 static bool find_choice(const hdr_exr_file *file, const hdr_reading *reading, int first, int end, bool deep,
                         hdr_exr_choice *choice) {
-    static way *const by_channel[] = {as_channel, NULL}, *const by_layer[] = {as_layer, as_view, as_part, NULL},
+    static way *const by_channel[] = {as_channel, NULL}, *const by_layer[] = {as_layer,          as_view,
+                                                                              as_view_of_layers, as_part,
+                                                                              as_layer_in_view,  NULL},
                       *const by_default[] = {as_unnamed, NULL};
     way *const *ways = reading->channel ? by_channel : reading->layer ? by_layer : by_default;
     for (int any_case = 0; any_case < 2; any_case++)

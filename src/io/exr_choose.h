@@ -5,6 +5,9 @@
 #include "io/exr_walk.h"
 #include "io/source.h"
 
+/* How long the name of a channel's layer is: what stands before the last point of the channel's; 0: it has none. */
+size_t hdr_exr_layer_length(const char *channel);
+
 /* Full names of channels of the part, as they stand in its list. */
 typedef struct hdr_exr_choice {
     int part;

@@ -1,5 +1,7 @@
 /* What an EXR file holds, from its headers alone: for people to look at, and to choose from. */
 #include "io/contents.h"
+#include "io/exr_choose.h"
+#include "io/exr_compression.h"
 #include "io/exr_levels.h"
 #include "io/exr_walk.h"
 #include "io/source.h"
@@ -192,13 +194,16 @@ static hdr_status describe_channels(hdr_listing *listing, const hdr_exr_part *fr
     if (!channels || !views) return HDR_INTERNAL;
     for (int i = 0; i < from->channel_count; i++) {
         const hdr_exr_channel *channel = &from->channels[i];
+        char layer[HDR_EXR_LONGEST_NAME + 1];
+        snprintf(layer, sizeof layer, "%.*s", (int)hdr_exr_layer_length(channel->name), channel->name);
         channels[i] = (hdr_listed_channel){.name = hdr_listing_text(listing, channel->name, err),
+                                           .layer = hdr_listing_text(listing, layer, err),
                                            .type = channel->type == EXR_PIXEL_HALF    ? HDR_HALF
                                                    : channel->type == EXR_PIXEL_FLOAT ? HDR_FLOAT
                                                                                       : HDR_UINT,
                                            .x_sampling = channel->x_sampling,
                                            .y_sampling = channel->y_sampling};
-        if (!channels[i].name) return HDR_INTERNAL;
+        if (!channels[i].name || !channels[i].layer) return HDR_INTERNAL;
     }
     for (int i = 0; i < from->view_count; i++)
         if (!(views[i] = hdr_listing_text(listing, from->views[i], err))) return HDR_INTERNAL;

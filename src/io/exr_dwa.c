@@ -1,6 +1,7 @@
 /* Loading the plug-in for DWAA and DWAB, and handing chunks to it. */
 #include "io/exr_dwa.h"
 
+#include "io/exr_compression.h"
 #include "plugin/exr_dwa.h"
 
 #include <dlfcn.h>
@@ -106,7 +107,7 @@ hdr_exr_dwa *hdr_exr_dwa_new(exr_compression_t compression, const exr_attr_chlis
         return NULL;
     }
     dwa->channel_count = channels->num_channels;
-    dwa->lines = dwaa ? 32 : 256;
+    dwa->lines = hdr_exr_chunk_lines((int)compression);
     for (int c = 0; c < channels->num_channels; c++) {
         const exr_attr_chlist_entry_t *entry = &channels->entries[c];
         dwa->channels[c] = (hdr_dwa_channel){.name = entry->name.str,

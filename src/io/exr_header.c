@@ -3,8 +3,10 @@
 #include "io/exr_header.h"
 
 #include "io/exr_choose.h"
+#include "io/exr_compression.h"
 #include "io/exr_levels.h"
 #include "io/exr_text.h"
+#include "picture/colour.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -32,13 +34,12 @@ static hdr_status parse(hdr_input *input, hdr_exr_header *header, hdr_error *err
 /* ---- What the header says ---- */
 
 static hdr_status read_compression(const char *name, hdr_exr_header *header, hdr_error *err) {
-    static const int rows[] = {1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
     exr_compression_t compression;
     if (exr_get_compression(header->context, 0, &compression) != EXR_ERR_SUCCESS ||
         !hdr_exr_compression_name((int)compression))
         return hdr_fail(err, HDR_BAD_DATA, "%s: its compression is not known", name);
     header->compression = compression;
-    header->chunk_rows = rows[compression];
+    header->chunk_rows = hdr_exr_chunk_lines((int)compression);
     snprintf(header->picture.compression, sizeof header->picture.compression, "%s",
              hdr_exr_compression_name((int)compression));
     return HDR_OK;
@@ -111,7 +112,7 @@ static hdr_status read_colour(const char *name, hdr_exr_header *header, hdr_erro
     hdr_picture *picture = &header->picture;
     exr_attr_chromaticities_t c;
     exr_attr_v2f_t neutral;
-    picture->chromaticities = (hdr_chromaticities){{0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}, {0.3127, 0.3290}};
+    picture->chromaticities = hdr_rec709;
     if (exr_attr_get_chromaticities(header->context, 0, "chromaticities", &c) == EXR_ERR_SUCCESS) {
         picture->has_chromaticities = true;
         picture->chromaticities = (hdr_chromaticities){{(double)c.red_x, (double)c.red_y},
@@ -157,13 +158,33 @@ static int find_channel(const exr_attr_chlist_t *list, const char *name) {
     return -1;
 }
 
-static hdr_status refuse_subsampled(const char *name, const exr_attr_chlist_entry_t *entry, hdr_error *err) {
+static hdr_status refuse_subsampled(const char *name, const exr_attr_chlist_entry_t *entry, bool single,
+                                    hdr_error *err) {
     char channel[HDR_EXR_LONGEST_NAME + 1];
     snprintf(channel, sizeof channel, "%s", entry->name.str);
     hdr_exr_make_plain(channel);
+    return hdr_fail(err, HDR_BAD_DATA, "%s: channel %s is subsampled (%d x %d); %s", name, channel, entry->x_sampling,
+                    entry->y_sampling,
+                    single ? "a subsampled channel cannot be read by itself"
+                           : "only the chroma channels RY and BY may be, by 2 x 2");
+}
+
+static hdr_status refuse_uint(const char *name, const exr_attr_chlist_entry_t *entry, bool alpha, hdr_error *err) {
+    char channel[HDR_EXR_LONGEST_NAME + 1];
+    snprintf(channel, sizeof channel, "%s", entry->name.str);
+    hdr_exr_make_plain(channel);
+    if (alpha)
+        return hdr_fail(
+            err, HDR_BAD_DATA,
+            "%s: channel %s holds whole numbers (uint), no cover; --alpha drop reads the colours without it", name,
+            channel);
     return hdr_fail(err, HDR_BAD_DATA,
-                    "%s: channel %s is subsampled (%d x %d); only the chroma channels RY and BY may be, by 2 x 2", name,
-                    channel, entry->x_sampling, entry->y_sampling);
+                    "%s: channel %s holds whole numbers (uint), not light; --channel %s reads it by itself", name,
+                    channel, channel);
+}
+
+static bool is_uint(const exr_attr_chlist_entry_t *entry) {
+    return entry->pixel_type != EXR_PIXEL_HALF && entry->pixel_type != EXR_PIXEL_FLOAT;
 }
 
 /* Reads place 0 ... 3 of the picture from a channel of the list, which has a sample in each sampling-th column of each
@@ -172,15 +193,9 @@ static hdr_status use_channel(const char *name, hdr_exr_header *header, int plac
                               hdr_error *err) {
     const exr_attr_chlist_entry_t *entry = &header->list->entries[header->index[place]];
     hdr_channel *channel = &header->picture.channels[place];
-    if (entry->pixel_type != EXR_PIXEL_HALF && entry->pixel_type != EXR_PIXEL_FLOAT && !single) {
-        char plain[HDR_EXR_LONGEST_NAME + 1];
-        snprintf(plain, sizeof plain, "%s", entry->name.str);
-        hdr_exr_make_plain(plain);
-        return hdr_fail(err, HDR_BAD_DATA,
-                        "%s: channel %s holds whole numbers (uint), not light; --channel %s reads it by itself", name,
-                        plain, plain);
-    }
-    if (entry->x_sampling != sampling || entry->y_sampling != sampling) return refuse_subsampled(name, entry, err);
+    if (is_uint(entry) && !single) return refuse_uint(name, entry, place == 3, err);
+    if (entry->x_sampling != sampling || entry->y_sampling != sampling)
+        return refuse_subsampled(name, entry, single, err);
     channel->type = entry->pixel_type == EXR_PIXEL_HALF    ? HDR_HALF
                     : entry->pixel_type == EXR_PIXEL_FLOAT ? HDR_FLOAT
                                                            : HDR_UINT;
@@ -195,7 +210,7 @@ static hdr_status read_chroma(const char *name, hdr_exr_header *header, hdr_erro
     const exr_attr_chlist_entry_t *entry = &header->list->entries[header->index[header->index[1] >= 0 ? 1 : 2]];
     const hdr_window *data = &header->picture.data;
     if (entry->x_sampling != entry->y_sampling || entry->x_sampling < 1 || entry->x_sampling > 2)
-        return refuse_subsampled(name, entry, err);
+        return refuse_subsampled(name, entry, false, err);
     header->chroma = entry->x_sampling;
     if (header->chroma == 2 &&
         (header->tiled || data->min_x % 2 || data->min_y % 2 || header->width % 2 || header->height % 2))
@@ -204,8 +219,10 @@ static hdr_status read_chroma(const char *name, hdr_exr_header *header, hdr_erro
     return HDR_OK;
 }
 
-/* Finds the chosen channels in the library's list, which is in the order in which they are stored. */
-static hdr_status use_channels(const char *name, hdr_exr_header *header, const hdr_exr_choice *choice, hdr_error *err) {
+/* Finds the chosen channels in the library's list, which is in the order in which they are stored. An alpha that is no
+ * number for a cover does no harm where none is wanted. */
+static hdr_status use_channels(const char *name, hdr_exr_header *header, const hdr_reading *reading,
+                               const hdr_exr_choice *choice, hdr_error *err) {
     static const char *const colours[] = {"R", "G", "B", "A"};
     hdr_picture *picture = &header->picture;
     const exr_attr_chlist_t *list;
@@ -215,6 +232,8 @@ static hdr_status use_channels(const char *name, hdr_exr_header *header, const h
     bool chroma = choice->chroma[0] || choice->chroma[1];
     const char *chosen[4] = {choice->channel[0], chroma ? choice->chroma[0] : choice->channel[1],
                              chroma ? choice->chroma[1] : choice->channel[2], choice->channel[3]};
+    int alpha = chosen[3] ? find_channel(list, chosen[3]) : -1;
+    if (reading->no_alpha && alpha >= 0 && is_uint(&list->entries[alpha])) chosen[3] = NULL;
     picture->planes = chroma ? 3 : choice->planes;
     picture->has_alpha = chosen[3] != NULL;
     memcpy(picture->layer, choice->layer, sizeof picture->layer);
@@ -281,7 +300,7 @@ hdr_status hdr_exr_header_read(hdr_input *input, const hdr_reading *reading, hdr
     if (status == HDR_OK) status = read_geometry(name, header, err);
     if (status == HDR_OK) status = read_tiles(name, header, reading, err);
     if (status == HDR_OK) status = find_tables(name, header, choice.part, err);
-    if (status == HDR_OK) status = use_channels(name, header, &choice, err);
+    if (status == HDR_OK) status = use_channels(name, header, reading, &choice, err);
     if (status == HDR_OK) status = read_colour(name, header, err);
     if (status == HDR_OK) status = read_state(name, header, err);
     if (status != HDR_OK) hdr_exr_header_free(header);

@@ -57,11 +57,6 @@ void hdr_exr_make_plain(char *text) {
         if (*text < ' ' || *text > '~') *text = '?';
 }
 
-const char *hdr_exr_compression_name(int compression) {
-    static const char *const names[] = {"none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"};
-    return compression >= 0 && (size_t)compression < sizeof names / sizeof names[0] ? names[compression] : NULL;
-}
-
 /* ---- Attributes ---- */
 
 static hdr_status read_exactly(hdr_input *input, void *to, size_t size, uint64_t offset, hdr_error *err) {

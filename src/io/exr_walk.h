@@ -65,9 +65,6 @@ void hdr_exr_file_free(hdr_exr_file *file);
 /* Names in a damaged header may be anything; messages are to be text. */
 void hdr_exr_make_plain(char *text);
 
-/* Its name in hdrpipe's words: "zip"; NULL for a number that is none. */
-const char *hdr_exr_compression_name(int compression);
-
 static inline uint32_t hdr_little_endian_32(const unsigned char *bytes) {
     return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
 }

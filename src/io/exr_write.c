@@ -4,6 +4,7 @@
  * library's encoding pipeline, of which only the compressing stage is left. */
 #include "io/deflate.h"
 #include "io/exr_attributes.h"
+#include "io/exr_compression.h"
 #include "io/exr_dwa.h"
 #include "io/sink.h"
 #include "kernel/predict_encode.h"
@@ -20,13 +21,6 @@ enum {
     B44_BLOCK_BYTES = 14,    /* of 4 x 4 half pixels */
     GATHERED_MAX = 64 * 1024 /* writes at least this long are not worth gathering */
 };
-
-const char *const hdr_compression_names[] = {"none", "rle",  "zips", "zip",  "piz", "pxr24",
-                                             "b44",  "b44a", "dwaa", "dwab", NULL};
-
-static const exr_compression_t exr_compressions[] = {
-    EXR_COMPRESSION_NONE,  EXR_COMPRESSION_RLE, EXR_COMPRESSION_ZIPS, EXR_COMPRESSION_ZIP,  EXR_COMPRESSION_PIZ,
-    EXR_COMPRESSION_PXR24, EXR_COMPRESSION_B44, EXR_COMPRESSION_B44A, EXR_COMPRESSION_DWAA, EXR_COMPRESSION_DWAB};
 
 typedef struct exr_sink {
     hdr_sink sink; /* first, so that the one pointer is the other */
@@ -136,8 +130,9 @@ static exr_result_t set_attributes(const exr_sink *self) {
     const hdr_frame *frame = &self->sink.frame;
     exr_attr_box2i_t data = box(frame->data), display = box(frame->display);
     exr_attr_v2f_t centre = {.x = 0, .y = 0};
-    exr_result_t result = exr_initialize_required_attr(context, 0, &display, &data, frame->pixel_aspect, &centre, 1,
-                                                       EXR_LINEORDER_INCREASING_Y, exr_compressions[self->compression]);
+    exr_result_t result =
+        exr_initialize_required_attr(context, 0, &display, &data, frame->pixel_aspect, &centre, 1,
+                                     EXR_LINEORDER_INCREASING_Y, (exr_compression_t)self->compression);
     if (result == EXR_ERR_SUCCESS && frame->has_chromaticities) {
         const hdr_chromaticities *c = &frame->chromaticities;
         exr_attr_chromaticities_t attribute = {
@@ -153,7 +148,7 @@ static exr_result_t set_attributes(const exr_sink *self) {
         result = exr_attr_set_chromaticities(context, 0, "chromaticities", &attribute);
     }
     /* For the library if it is to compress, which does not write it; and for the reader's information. */
-    bool by_library = is_dwa(self->compression) && !hdr_exr_needs_dwa(exr_compressions[self->compression]);
+    bool by_library = is_dwa(self->compression) && !hdr_exr_needs_dwa((exr_compression_t)self->compression);
     if (result == EXR_ERR_SUCCESS && by_library) result = exr_set_dwa_compression_level(context, 0, self->dwa_level);
     if (result == EXR_ERR_SUCCESS && is_dwa(self->compression))
         result = exr_attr_set_float(context, 0, "dwaCompressionLevel", self->dwa_level);
@@ -166,7 +161,7 @@ static exr_result_t set_attributes(const exr_sink *self) {
 }
 
 static hdr_status load_dwa(exr_sink *self, hdr_error *err) {
-    exr_compression_t compression = exr_compressions[self->compression];
+    exr_compression_t compression = (exr_compression_t)self->compression;
     const exr_attr_chlist_t *channels;
     hdr_error fault = {0};
     if (!hdr_exr_needs_dwa(compression)) return HDR_OK;
@@ -432,25 +427,21 @@ static void exr_close(hdr_sink *sink) {
     free(self);
 }
 
-static int rows_of_a_chunk(hdr_compression compression) {
-    switch (compression) {
-    case HDR_COMPRESSION_ZIP:
-    case HDR_COMPRESSION_PXR24:
-        return 16;
-    case HDR_COMPRESSION_PIZ:
-    case HDR_COMPRESSION_B44:
-    case HDR_COMPRESSION_B44A:
-    case HDR_COMPRESSION_DWAA:
-        return 32;
-    case HDR_COMPRESSION_DWAB:
-        return 256;
-    default:
-        return 1;
-    }
+/* The library takes no coordinates beyond these. */
+static bool within_bounds(const hdr_window *window) {
+    enum { FARTHEST = INT32_MAX / 2 };
+    return window->min_x > -FARTHEST && window->min_y > -FARTHEST && window->max_x < FARTHEST &&
+           window->max_y < FARTHEST;
 }
 
 hdr_sink *hdr_exr_create(hdr_output *output, const hdr_frame *frame, hdr_compression compression, float dwa_level,
                          hdr_error *err) {
+    const hdr_window *window = within_bounds(&frame->data) ? &frame->display : &frame->data;
+    if (!within_bounds(window)) {
+        hdr_fail(err, HDR_BAD_DATA, "%s: a window from %d,%d to %d,%d; the coordinates of an EXR stay below 2^30",
+                 hdr_output_name(output), window->min_x, window->min_y, window->max_x, window->max_y);
+        return NULL;
+    }
     exr_sink *self = hdr_alloc(1, sizeof *self);
     if (!self) {
         hdr_fail(err, HDR_INTERNAL, "%s: out of memory", hdr_output_name(output));
@@ -458,7 +449,7 @@ hdr_sink *hdr_exr_create(hdr_output *output, const hdr_frame *frame, hdr_compres
     }
     self->compression = compression;
     self->dwa_level = dwa_level;
-    self->chunk_rows = rows_of_a_chunk(compression);
+    self->chunk_rows = hdr_exr_chunk_lines((int)compression);
     self->sink = (hdr_sink){.frame = *frame,
                             .output = output,
                             .band_multiple = self->chunk_rows > ROWS_AT_LEAST ? self->chunk_rows : ROWS_AT_LEAST,

@@ -296,6 +296,10 @@ static hdr_status worker_new(hdr_source *base, void **worker, hdr_error *err) {
     struct yc_worker *own = hdr_alloc(1, sizeof *own);
     *worker = NULL;
     if (!own) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+    if (source->sampling == 1) { /* no filter that would look at the columns beside them */
+        source->stored->first_column = base->first_column;
+        source->stored->end_column = base->end_column;
+    }
     hdr_status status = source->stored->worker_new(source->stored, &own->stored, err);
     if (status != HDR_OK) {
         worker_free(base, own);

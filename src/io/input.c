@@ -372,6 +372,16 @@ int64_t hdr_input_size(hdr_input *input) {
     return size > input->skip ? (int64_t)(size - input->skip) : 0;
 }
 
+bool hdr_input_has(hdr_input *input, uint64_t offset) {
+    uint64_t size = input->size;
+    if (input->kind == INPUT_PIPE) size = atomic_load_explicit(&input->pipe.have, memory_order_acquire);
+    return offset < size && input->skip < size - offset;
+}
+
+bool hdr_input_flows(const hdr_input *input) {
+    return input->kind == INPUT_PIPE;
+}
+
 void hdr_input_skip(hdr_input *input, uint64_t length) {
     input->skip = length < INT64_MAX / 4 ? length : INT64_MAX / 4;
 }

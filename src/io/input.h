@@ -13,6 +13,12 @@ int64_t hdr_input_read(hdr_input *input, void *buffer, uint64_t size, uint64_t o
 /* Bytes behind the head, or -1 while a pipe's end has not come. */
 int64_t hdr_input_size(hdr_input *input);
 
+/* Whether there is a byte at offset, as far as has been read of a pipe: it does not wait. */
+bool hdr_input_has(hdr_input *input, uint64_t offset);
+
+/* True of a pipe, whose size is known at its end and not before. */
+bool hdr_input_flows(const hdr_input *input);
+
 /* Says that the picture begins length bytes after the start of all. */
 void hdr_input_skip(hdr_input *input, uint64_t length);
 

@@ -105,6 +105,26 @@ static hdr_status check_length(const struct pfm_source *source, hdr_error *err) 
         hdr_input_name(raster->input), (long long)raster->height - 1 - (long long)rows, raster->width, raster->height);
 }
 
+/* Where lines end in CR LF, pixels begin behind the LF. A program that writes such lines may have put a CR before bytes
+ * of the pixels too: then there is more than they need. (Of a pipe that is not waited for.) */
+static hdr_status pass_line_feed(struct pfm_source *source, const char *text, hdr_error *err) {
+    hdr_input *input = source->raster.input;
+    if (text[source->data - 1] != '\r') return check_length(source, err);
+    if (text[source->data] != '\n')
+        return hdr_header_fault(input, "a carriage return ends it, and no line feed follows", err);
+    source->data++;
+    hdr_status status = check_length(source, err);
+    if (status || hdr_input_flows(input)) return status;
+    uint64_t end = source->data + (uint64_t)source->row_bytes * (uint64_t)source->raster.height;
+    uint64_t too_long = (uint64_t)hdr_input_size(input) - end;
+    if (too_long)
+        return hdr_fail(err, HDR_BAD_DATA,
+                        "%s: it is too long by %llu byte%s: like its lines, bytes of its pixels seem to have become "
+                        "CR LF, which cannot be undone",
+                        hdr_input_name(input), (unsigned long long)too_long, too_long == 1 ? "" : "s");
+    return HDR_OK;
+}
+
 static hdr_status open_source(struct pfm_source *source, hdr_input *input, uint64_t memory, hdr_error *err) {
     static const char *const colour[4] = {"R", "G", "B", NULL}, *const grey[4] = {"Y", NULL, NULL, NULL};
     char text[HEADER_MAX + 1];
@@ -119,7 +139,7 @@ static hdr_status open_source(struct pfm_source *source, hdr_input *input, uint6
     source->row_bytes = (size_t)width * (size_t)source->raster.base.picture.planes * sizeof(float);
     source->raster.base.read = read_block;
     source->raster.base.close = close_source;
-    return status ? status : check_length(source, err);
+    return status ? status : pass_line_feed(source, text, err);
 }
 
 hdr_source *hdr_pfm_open(hdr_input *input, const hdr_reading *reading, hdr_error *err) {

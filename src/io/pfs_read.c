@@ -173,6 +173,7 @@ static hdr_status open_source(struct pfs_source *source, hdr_input *input, uint6
     source->raster.base.close = close_source;
     source->data = header.data;
     source->plane_bytes = (uint64_t)header.width * (uint64_t)header.height * sizeof(float);
+    source->raster.base.end = source->data + (uint64_t)header.channels * source->plane_bytes;
     describe(source, chosen, header.display);
     if (!hdr_matrix_to_rec709(&hdr_cie_xyz, hdr_cie_xyz.white, false, source->to_rgb))
         return hdr_fail(err, HDR_INTERNAL, "XYZ cannot be converted");

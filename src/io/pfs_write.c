@@ -129,8 +129,9 @@ hdr_sink *hdr_pfs_create(hdr_output *output, const hdr_frame *frame, hdr_error *
         return NULL;
     }
     pfs_sink *self = hdr_alloc(1, sizeof *self);
-    /* encoded values are taken back by the matrix that all of pfstools has */
-    bool own = frame->has_chromaticities && strcmp(frame->state, "linear") == 0;
+    /* Encoded values are taken back by the matrix that all of pfstools has. Grey is that of D65, which they take for
+     * white, whatever white the file had: it has no colour of its own. */
+    bool own = frame->has_chromaticities && frame->planes == 3 && strcmp(frame->state, "linear") == 0;
     const hdr_chromaticities *primaries = own ? &frame->chromaticities : &hdr_rec709;
     if (!self || !hdr_matrix_to_xyz(primaries, self->to_xyz)) {
         hdr_fail(err, self ? HDR_BAD_DATA : HDR_INTERNAL, "%s: %s", name,

@@ -1,5 +1,6 @@
 /* The source of pixels that are in memory already: blocks that point straight into the caller's planes. */
 #include "io/source.h"
+#include "picture/colour.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -55,7 +56,7 @@ static void describe(const hdr_planes *planes, hdr_picture *picture) {
         picture->channels[p].type = HDR_FLOAT;
         if (present) snprintf(picture->channels[p].name, HDR_CHANNEL_NAME, "%s", name);
     }
-    picture->chromaticities = (hdr_chromaticities){{0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}, {0.3127, 0.3290}};
+    picture->chromaticities = hdr_rec709;
     picture->pixel_aspect = 1;
     snprintf(picture->state, sizeof picture->state, "linear");
     snprintf(picture->format, sizeof picture->format, "planes");

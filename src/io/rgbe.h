@@ -19,7 +19,7 @@ typedef struct hdr_rgbe_header {
     bool scanlines_backwards; /* the first is the bottom row, or the rightmost column */
     bool pixels_backwards;    /* a scanline's first pixel is its rightmost, or its bottommost */
     bool xyz;                 /* X, Y and Z instead of R, G and B */
-    double exposure;          /* product of what the pixels have been multiplied by */
+    double exposure[3];       /* product of what each component has been multiplied by */
     double pixel_height;      /* of a pixel, over its width */
     bool has_primaries;
     hdr_chromaticities primaries;

@@ -28,14 +28,27 @@ static void multiply_by(double *product, const char *value) {
     if (hdr_read_number(value, &factor) && factor > 0) *product *= factor;
 }
 
+static bool read_numbers(const char *text, double *number, int count) {
+    for (int i = 0; i < count; i++) {
+        text += strspn(text, " \t");
+        text = hdr_read_number(text, &number[i]);
+        if (!text || !isfinite(number[i])) return false;
+    }
+    return true;
+}
+
+/* A factor for each component, in the same way. */
+static void correct_colour(double product[3], const char *value) {
+    double factor[3];
+    if (!read_numbers(value, factor, 3) || !(factor[0] > 0 && factor[1] > 0 && factor[2] > 0)) return;
+    for (int c = 0; c < 3; c++)
+        product[c] *= factor[c];
+}
+
 static hdr_status read_primaries(const hdr_input *input, const char *value, hdr_rgbe_header *header, hdr_error *err) {
     double n[8];
-    for (int i = 0; i < 8; i++) {
-        value += strspn(value, " \t");
-        value = hdr_read_number(value, &n[i]);
-        if (!value || !isfinite(n[i]))
-            return hdr_header_fault(input, "PRIMARIES are eight numbers: x and y of red, green, blue and white", err);
-    }
+    if (!read_numbers(value, n, 8))
+        return hdr_header_fault(input, "PRIMARIES are eight numbers: x and y of red, green, blue and white", err);
     header->primaries = (hdr_chromaticities){{n[0], n[1]}, {n[2], n[3]}, {n[4], n[5]}, {n[6], n[7]}};
     header->has_primaries = true;
     return HDR_OK;
@@ -45,7 +58,10 @@ static hdr_status read_variable(const hdr_input *input, const char *line, hdr_rg
     const char *value;
     if ((value = value_of(line, "FORMAT"))) return read_format(input, value, header, err);
     if ((value = value_of(line, "PRIMARIES"))) return read_primaries(input, value, header, err);
-    if ((value = value_of(line, "EXPOSURE"))) multiply_by(&header->exposure, value);
+    if ((value = value_of(line, "COLORCORR"))) correct_colour(header->exposure, value);
+    if ((value = value_of(line, "EXPOSURE")))
+        for (int c = 0; c < 3; c++)
+            multiply_by(&header->exposure[c], value);
     if ((value = value_of(line, "PIXASPECT"))) multiply_by(&header->pixel_height, value);
     return HDR_OK;
 }
@@ -78,7 +94,7 @@ static bool read_resolution(const char *line, hdr_rgbe_header *header) {
 }
 
 hdr_status hdr_rgbe_header_read(hdr_input *input, hdr_rgbe_header *header, hdr_error *err) {
-    *header = (hdr_rgbe_header){.exposure = 1, .pixel_height = 1};
+    *header = (hdr_rgbe_header){.exposure = {1, 1, 1}, .pixel_height = 1};
     hdr_lines lines = {.input = input};
     hdr_status status = HDR_OK;
     do {
@@ -89,8 +105,10 @@ hdr_status hdr_rgbe_header_read(hdr_input *input, hdr_rgbe_header *header, hdr_e
     if (status) return status;
     if (!read_resolution(lines.text, header))
         return hdr_header_fault(input, "no line with the resolution, such as -Y 768 +X 1024", err);
-    if (!isfinite(header->exposure) || header->exposure == 0)
-        return hdr_header_fault(input, "the product of its EXPOSURE values is out of all bounds", err);
+    for (int c = 0; c < 3; c++)
+        if (!isfinite(header->exposure[c]) || header->exposure[c] == 0)
+            return hdr_header_fault(input, "the product of its EXPOSURE and COLORCORR values is out of all bounds",
+                                    err);
     header->data = lines.offset;
     return HDR_OK;
 }

@@ -18,7 +18,7 @@ struct rgbe_source {
     hdr_raster raster;
     hdr_rgbe_header header;
     int scanlines, length; /* how many, of how many pixels */
-    double step[256];      /* what a mantissa counts, by exponent */
+    double step[3][256];   /* what a component's mantissa counts, by exponent */
     pthread_mutex_t lock;  /* over all that follows */
     hdr_rgbe_stream scout; /* stands behind the last group that is known */
     uint64_t *start;       /* where groups begin; start[known] is set too */
@@ -119,7 +119,7 @@ static void convert_row(const struct rgbe_source *source, const unsigned char *c
     const unsigned char *exponent = component[3];
     for (int c = 0; c < 3; c++)
         for (size_t x = 0; x < width; x++) {
-            double value = component[c][x * pitch] * source->step[exponent[x * pitch]];
+            double value = component[c][x * pitch] * source->step[c][exponent[x * pitch]];
             out[c][backwards ? width - 1 - x : x] = (float)(value < (double)FLT_MAX ? value : (double)FLT_MAX);
         }
 }
@@ -221,8 +221,9 @@ static void close_source(hdr_source *base) {
  * mantissa, since it cuts it off when it writes; nearly all others do not, and so 0 stays 0, and a value that was
  * written is read as it was. */
 static void fill_steps(struct rgbe_source *source) {
-    for (int exponent = 1; exponent < 256; exponent++)
-        source->step[exponent] = ldexp(1, exponent - HDR_RGBE_BIAS) / source->header.exposure;
+    for (int c = 0; c < 3; c++)
+        for (int exponent = 1; exponent < 256; exponent++)
+            source->step[c][exponent] = ldexp(1, exponent - HDR_RGBE_BIAS) / source->header.exposure[c];
 }
 
 static void describe(struct rgbe_source *source) {

@@ -27,8 +27,10 @@ typedef struct rgbe_packer {
 static hdr_status rgbe_begin(hdr_sink *sink, hdr_error *err) {
     rgbe_sink *self = (rgbe_sink *)sink;
     const hdr_frame *frame = &sink->frame;
-    /* always: Radiance takes other primaries than Rec.709's where there is no such line */
-    const hdr_chromaticities *c = frame->has_chromaticities ? &frame->chromaticities : &hdr_rec709;
+    /* Always: Radiance takes other primaries than Rec.709's where there is no such line. Grey is that of D65, and has
+     * no colour of its own. */
+    bool own = frame->has_chromaticities && frame->planes == 3;
+    const hdr_chromaticities *c = own ? &frame->chromaticities : &hdr_rec709;
     char head[512], aspect[64] = "";
     /* Radiance means height over width */
     if (frame->pixel_aspect != 1) snprintf(aspect, sizeof aspect, "PIXASPECT=%.9g\n", 1 / (double)frame->pixel_aspect);

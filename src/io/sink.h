@@ -74,7 +74,7 @@ typedef enum hdr_compression {
     HDR_COMPRESSION_B44A,
     HDR_COMPRESSION_DWAA,
     HDR_COMPRESSION_DWAB
-} hdr_compression; /* in the order of hdr_compression_names and of OpenEXR's own numbers */
+} hdr_compression; /* in the order of hdr_compression_names (exr_compression.c) and of OpenEXR's own numbers */
 extern const char *const hdr_compression_names[];
 
 /* Each takes a frame that fits it: png U8 or U16, pfm and rgbe FLOAT without alpha, pfs FLOAT, exr FLOAT or HALF. */

@@ -13,6 +13,7 @@ struct hdr_source {
     int block_rows;      /* rows of every block but the first and the last: a multiple of the file's chunk height */
     int rows_cut;        /* how many rows fewer the first has; less than block_rows */
     int blocks;
+    uint64_t end; /* where another picture may stand, behind this one's bytes; 0: the format has one only */
     /* Who reads the source may say that only columns first ... end-1 of the data window are looked at: then the others
      * need not be decoded, and hold anything. end = 0: all are. */
     int64_t first_column, end_column;
@@ -41,6 +42,7 @@ typedef struct hdr_reading {
     const char *part;    /* number or name; otherwise the first that has what is wanted */
     const char *layer;   /* layer or view; otherwise the unnamed one */
     const char *channel; /* this one alone, as grey */
+    bool no_alpha;       /* alpha will be dropped */
     bool proxy;          /* level is a number of pixels: of the levels whose larger side has as many, the smallest */
     int64_t level;       /* of a mip map; 0 is full resolution */
     bool cropped;

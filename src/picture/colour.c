@@ -94,12 +94,16 @@ static bool bradford(const double from[2], const double to[2], double m[9]) {
     return true;
 }
 
-bool hdr_matrix_to_rec709(const hdr_chromaticities *primaries, const double neutral[2], bool adapt, double m[9]) {
+bool hdr_primaries_are_xyz(const hdr_chromaticities *primaries) {
     hdr_chromaticities without_white = *primaries;
     memcpy(without_white.white, hdr_cie_xyz.white, sizeof hdr_cie_xyz.white);
+    return !hdr_chromaticities_differ(&without_white, &hdr_cie_xyz);
+}
+
+bool hdr_matrix_to_rec709(const hdr_chromaticities *primaries, const double neutral[2], bool adapt, double m[9]) {
     double to_xyz[9], rec709[9], from_xyz[9], adaptation[9], adapted[9];
     if (!rgb_to_xyz(primaries, to_xyz) || !rgb_to_xyz(&hdr_rec709, rec709) || !invert(rec709, from_xyz)) return false;
-    if (adapt && hdr_chromaticities_differ(&without_white, &hdr_cie_xyz)) {
+    if (adapt && !hdr_primaries_are_xyz(primaries)) {
         if (!bradford(neutral, hdr_rec709.white, adaptation)) return false;
         multiply(adaptation, to_xyz, adapted);
     } else {

@@ -14,6 +14,9 @@ bool hdr_chromaticities_differ(const hdr_chromaticities *a, const hdr_chromatici
  * the primaries span no triangle. */
 bool hdr_luminance_weights(const hdr_chromaticities *primaries, double weights[3]);
 
+/* Whether the primaries are X, Y and Z themselves, whatever is said of white. */
+bool hdr_primaries_are_xyz(const hdr_chromaticities *primaries);
+
 /* RGB of these primaries to linear Rec.709, m by rows. Unless adapt is false or the primaries are those of XYZ itself,
  * white is adapted from neutral (x, y) to D65 by Bradford. False if the primaries span no triangle. */
 bool hdr_matrix_to_rec709(const hdr_chromaticities *primaries, const double neutral[2], bool adapt, double m[9]);

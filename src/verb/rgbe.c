@@ -14,8 +14,11 @@ static hdr_sink *create(const void *params, hdr_output *output, const hdr_frame 
     return hdr_rgbe_create(output, frame, err);
 }
 
-static const hdr_format format = {
-    .extension = ".hdr", .primaries = HDR_PRIMARIES_CONVERTED, .sample = sample, .create = create};
+static const hdr_format format = {.extension = ".hdr",
+                                  .primaries = HDR_PRIMARIES_CONVERTED,
+                                  .states = HDR_STATES_LOST,
+                                  .sample = sample,
+                                  .create = create};
 
 static const char *const examples[] = {"hdr expose --ev -1 then rgbe -o OUT.hdr IN.exr", NULL};
 
@@ -32,12 +35,13 @@ const hdr_verb hdr_verb_rgbe = {
              "it, over black.\n\n"
              "Hardly a reader heeds what the file says of its primaries, so a linear picture of others is converted to "
              "Rec.709 first; --primaries keep does not. The file states them in any case, since Radiance's own are "
-             "neither.\n\n"
+             "neither. It cannot tell that values are encoded: if they are, a note says so.\n\n"
              "On reading, a component is mantissa * 2^(exponent - 136), as in most programs (OpenImageIO and "
              "pfstools among them): 0 stays 0, and a file that is written again does not change. Radiance itself "
              "reads (mantissa + 1/2) * 2^(exponent - 136), because it cuts mantissas off when it writes; it sees half "
              "a step more in every component, 0.2 to 0.4 percent of the largest. Pixels are divided by the product "
-             "of the header's EXPOSURE values. Without PRIMARIES in the header they are taken for Rec.709's, as "
+             "of the header's EXPOSURE values, and each component by that of its COLORCORR values. Without PRIMARIES "
+             "in the header they are taken for Rec.709's, as "
              "everywhere but in Radiance. All orientations, all three ways to store a row, and XYZ pixels "
              "(32-bit_rle_xyze, whose numbers are taken as they stand: Radiance's are 179 times those of RGB) are "
              "read.",

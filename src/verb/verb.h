@@ -132,6 +132,13 @@ typedef enum hdr_format_primaries {
     HDR_PRIMARIES_LOST       /* the file cannot tell them: that is said */
 } hdr_format_primaries;
 
+/* What the file tells of the encoding of its values. */
+typedef enum hdr_format_states {
+    HDR_STATES_TOLD, /* which it is */
+    HDR_STATES_SRGB, /* that there is one, which readers take for sRGB's: it is said if it is another */
+    HDR_STATES_LOST  /* nothing: that is said */
+} hdr_format_states;
+
 /* What a format verb provides. */
 typedef struct hdr_format {
     const char *extension; /* ".png" */
@@ -139,6 +146,7 @@ typedef struct hdr_format {
     bool alpha;      /* it can hold alpha */
     bool attributes; /* it can hold the attributes of an EXR header */
     hdr_format_primaries primaries;
+    hdr_format_states states;
     /* Codes: the bits of a sample, after an explicit quantisation to `quantised` bits (0: none). */
     int (*bits)(const void *params, int quantised);
     hdr_sample (*sample)(const void *params, int bits);

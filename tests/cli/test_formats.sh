@@ -52,6 +52,16 @@ done
 "$hdr" pfm -q -o "$work/direct.pfm" "$picture"
 expect_status 0 'PFM to PFM' "$hdr" pfm -o "$work/again.pfm" "$work/direct.pfm"
 check 'PFM to PFM: the same bytes' cmp -s "$work/direct.pfm" "$work/again.pfm"
+for end in '\n' '\r\n'; do
+    # shellcheck disable=SC2059 # the bytes are the format
+    printf "Pf${end}1 2${end}-1.0${end}\000\000\200\077\000\000\000\100" >"$work/lines.pfm"
+    expect_status 0 "lines that end in $end" "$hdr" pfm -o - "$work/lines.pfm"
+    cp "$work/stdout" "$work/lines"
+    check "lines that end in $end: the pixels" test "$(tail -c 8 "$work/lines" | od -An -tf4 | tr -d ' \n')" = 12
+    # shellcheck disable=SC2002 # a pipe is what is tried here
+    cat "$work/lines.pfm" | "$hdr" pfm >"$work/piped"
+    check "lines that end in $end: from a pipe" cmp -s "$work/lines" "$work/piped"
+done
 "$hdr" rgbe -o "$work/direct.hdr" "$picture"
 expect_status 0 'HDR to HDR' "$hdr" rgbe -o "$work/again.hdr" "$work/direct.hdr"
 check 'HDR to HDR: the same bytes' cmp -s "$work/direct.hdr" "$work/again.hdr"
@@ -67,6 +77,17 @@ expect_status 65 'an encoded PFS is not encoded again' "$hdr" srgb : png -o "$wo
 check 'PFS has alpha' test "$("$hdr" info "$work/alpha.pfs" | grep -c '^  channels .*A float')" -eq 1
 expect_status 0 'PFM of other primaries' "$hdr" pfm -o "$work/xyz.pfm" "$work/direct.pfs"
 check 'PFM of other primaries: a note' stderr_has primaries
+cat "$work/direct.pfs" "$work/grey.pfs" >"$work/frames.pfs"
+expect_status 0 'two frames' "$hdr" pfs -o "$work/first.pfs" "$work/frames.pfs"
+check 'two frames: a note' one_line_with 'first frame'
+check 'two frames: the first is read' cmp -s "$work/direct.pfs" "$work/first.pfs"
+mkfifo "$work/feed"
+{ cat "$work/direct.pfs" && exec sleep 60; } >"$work/feed" &
+feeder=$!
+expect_status 0 'a frame whose pipe stays open' timeout 30 "$hdr" pfs -o "$work/first.pfs" "$work/feed"
+kill $feeder
+wait $feeder 2>/dev/null
+check 'a frame whose pipe stays open: nothing to say' stderr_lines 0
 head -c 3000 "$work/direct.pfs" >"$work/short.pfs"
 expect_status 65 'a PFS that is cut off' "$hdr" png -o "$work/short.png" "$work/short.pfs"
 check 'a PFS that is cut off: one line' one_line_with short.pfs

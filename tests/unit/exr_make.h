@@ -80,10 +80,14 @@ typedef struct recipe {
     struct {
         const char *name;
         exr_pixel_type_t type;
+        bool constant; /* all pixels have this value; not for half */
+        double value;
         unsigned char *pixels; /* made by make_exr, to be freed */
     } channel[MADE_CHANNELS];
     int sampling; /* of the last channel, 0: as the others */
     const char *state;
+    const exr_attr_chromaticities_t *chromaticities;
+    const exr_attr_v2f_t *neutral;
 } recipe;
 
 static inline size_t sample_size(exr_pixel_type_t type) {
@@ -100,6 +104,11 @@ static inline void make_pixels(recipe *r, uint64_t *random) {
             uint32_t bits;
             memcpy(&bits, &value, 4);
             uint16_t half = (uint16_t)(0x3400 + (i % (size_t)r->width) * 4 + (random_bits(random) & 3));
+            if (r->channel[c].constant) {
+                value = (float)r->channel[c].value;
+                memcpy(&bits, &value, 4);
+                if (r->channel[c].type == EXR_PIXEL_UINT) bits = (uint32_t)r->channel[c].value;
+            }
             if (r->noise) {
                 bits = (uint32_t)random_bits(random);
                 half = (uint16_t)bits;
@@ -175,6 +184,9 @@ static inline bool make_exr(recipe *r, uint64_t *random, file_bytes *file) {
                                        EXR_TILE_ROUND_DOWN) == EXR_ERR_SUCCESS;
     if (done && r->upwards) done = exr_set_lineorder(context, 0, EXR_LINEORDER_RANDOM_Y) == EXR_ERR_SUCCESS;
     if (done && r->state) done = exr_attr_set_string(context, 0, "hdrpipeState", r->state) == EXR_ERR_SUCCESS;
+    if (done && r->chromaticities)
+        done = exr_attr_set_chromaticities(context, 0, "chromaticities", r->chromaticities) == EXR_ERR_SUCCESS;
+    if (done && r->neutral) done = exr_attr_set_v2f(context, 0, "adoptedNeutral", r->neutral) == EXR_ERR_SUCCESS;
     for (int c = 0; done && c < r->channels; c++) {
         int sampling = r->sampling && c == r->channels - 1 ? r->sampling : 1;
         done = exr_add_channel(context, 0, r->channel[c].name, r->channel[c].type, EXR_PERCEPTUALLY_LOGARITHMIC,

@@ -242,6 +242,48 @@ static void check_views(void) {
     free_file(&file);
 }
 
+/* As Nuke writes them: a part for each layer of each view. */
+static void check_parts_of_views(void) {
+    struct made_file file = {
+        .part = {{.name = "glow.left", .view = "left", .width = 3, .height = 2, .channel = {HALF("glow.R")}},
+                 {.name = "p1", .view = "right", .width = 3, .height = 2, .channel = {HALF("glow.R"), HALF("glow.Z")}},
+                 {.name = "p2", .view = "left", .width = 3, .height = 2, .channel = {HALF("B"), HALF("G"), HALF("R")}},
+                 {.name = "p3", .view = "right", .width = 3, .height = 2, .channel = {HALF("Y")}},
+                 {.name = "p4", .view = "up", .width = 3, .height = 2, .channel = {HALF("haze.R")}}}};
+    if (!make_file(&file)) return;
+    expect(&file, "a view", (hdr_reading){.layer = "left"}, 2, NAMES("R", "G", "B"));
+    expect(&file, "a view in another case", (hdr_reading){.layer = "RIGHT"}, 3, NAMES("Y"));
+    expect(&file, "a view without an unnamed layer", (hdr_reading){.layer = "up"}, 4, NAMES("haze.R"));
+    expect(&file, "a layer", (hdr_reading){.layer = "glow"}, 0, NAMES("glow.R"));
+    expect(&file, "a part's name", (hdr_reading){.layer = "glow.left"}, 0, NAMES("glow.R"));
+    expect(&file, "a layer in a view", (hdr_reading){.layer = "glow.right"}, 1, NAMES("glow.R"));
+    expect(&file, "a view and a layer", (hdr_reading){.layer = "right.glow"}, 1, NAMES("glow.R"));
+    expect(&file, "in another case", (hdr_reading){.layer = "Right.Glow"}, 1, NAMES("glow.R"));
+    expect(&file, "its channel", (hdr_reading){.layer = "glow.right", .channel = "Z"}, 1, NAMES("glow.Z"));
+    refuse(&file, (hdr_reading){.layer = "glow.up"}, "no layer or view glow.up");
+    refuse(&file, (hdr_reading){.layer = "rightglow"}, "no layer or view rightglow");
+    refuse(&file, (hdr_reading){.layer = ".right"}, "no layer or view .right");
+    free_file(&file);
+}
+
+/* A small letter is a colour only where all three are there. */
+static void check_small_letters(void) {
+    struct made_file file = {.part = {{.name = "",
+                                       .width = 3,
+                                       .height = 2,
+                                       .channel = {FLOAT("L"), FLOAT("a"), FLOAT("b"), HALF("n.b"), HALF("n.g"),
+                                                   HALF("n.r"), HALF("w.Blue"), HALF("w.r")}}}};
+    if (!make_file(&file)) return;
+    refuse(&file, (hdr_reading){.memory = 0}, "it has: L, a, b, n.b");
+    expect(&file, "all three", (hdr_reading){.layer = "n"}, 0, NAMES("n.r", "n.g", "n.b"));
+    expect(&file, "a word, and a letter alone", (hdr_reading){.layer = "w"}, 0, NAMES(NULL, NULL, "w.Blue"));
+    free_file(&file);
+    struct made_file point = {.part = {{.name = "", .width = 3, .height = 2, .channel = {HALF(".R"), HALF("x")}}}};
+    if (!make_file(&point)) return;
+    expect(&point, "a name that begins with the point", (hdr_reading){.part = "0"}, 0, NAMES(".R"));
+    free_file(&point);
+}
+
 /* ---- Levels ---- */
 
 static void check_levels(void) {
@@ -371,30 +413,44 @@ static void check_crops(void) {
     }
 }
 
-/* Chunks outside are not looked at: there they may be missing. */
-static void check_crop_reads_no_more(void) {
+/* Chunks outside are not looked at: there they may be missing. Luminance and chroma of one resolution are no different.
+ */
+static void check_crop_reads_no_more(bool chroma) {
+    static const struct made_channel chromatic[] = {HALF("BY"), HALF("RY"), HALF("Y")};
     struct made_file file = {.part = {{.name = "",
                                        .width = 40,
                                        .height = 40,
                                        .tile = 10,
                                        .mode = EXR_TILE_ONE_LEVEL,
-                                       .compression = EXR_COMPRESSION_ZIP,
+                                       .compression = EXR_COMPRESSION_NONE,
                                        .channel = {HALF("Y")}}}};
+    if (chroma) memcpy(file.part[0].channel, chromatic, sizeof chromatic);
     hdr_error error;
     struct image image;
     if (!make_file(&file)) return;
     hdr_reading reading = {.cropped = true, .crop = {0, 0, 9, 9}};
-    file.bytes.size = file.bytes.size / 2;
-    CHECK(read_file(&file.bytes, reading, &image, &error) == HDR_OK, "the first tile of half a file: %s",
+    size_t tile = 20 + 10 * 10 * 2 * (chroma ? 3 : 1); /* 16 of them are the end of the file */
+    file.bytes.size -= 15 * tile;
+    CHECK(read_file(&file.bytes, reading, &image, &error) == HDR_OK, "the first tile where there are no others: %s",
           error.message);
     free_image(&image);
-    reading.crop = (hdr_window){0, 30, 9, 39};
+    reading.crop = (hdr_window){0, 0, 10, 9};
     CHECK(read_file(&file.bytes, reading, &image, &error) == HDR_BAD_DATA, "a tile that is not there");
     free_image(&image);
     free_file(&file);
 }
 
 /* ---- Contents ---- */
+
+/* The layer of each channel with a point in its name, of those in `several`. */
+static const char *layer_name(const char *channel) {
+    static const char *const layers[] = {"id", "only", "Diffuse", "diffuse", "forward.left", "gloss", "n"};
+    for (size_t i = 0; i < sizeof layers / sizeof layers[0]; i++) {
+        size_t length = strlen(layers[i]);
+        if (strncmp(channel, layers[i], length) == 0 && channel[length] == '.') return layers[i];
+    }
+    return "";
+}
 
 static void check_contents(void) {
     struct made_file file = several;
@@ -414,7 +470,8 @@ static void check_contents(void) {
               "part %d is listed as another", i);
         for (; made->channel[channels].name; channels++)
             CHECK(channels < part->channel_count &&
-                      strcmp(part->channels[channels].name, made->channel[channels].name) == 0,
+                      strcmp(part->channels[channels].name, made->channel[channels].name) == 0 &&
+                      strcmp(part->channels[channels].layer, layer_name(made->channel[channels].name)) == 0,
                   "part %d: channel %d", i, channels);
         CHECK(channels == part->channel_count, "part %d: %d channels", i, part->channel_count);
         bool found = false;
@@ -511,10 +568,13 @@ int main(void) {
     alarm(300);
     check_parts();
     check_views();
+    check_parts_of_views();
+    check_small_letters();
     check_levels();
     check_level_windows();
     check_crops();
-    check_crop_reads_no_more();
+    check_crop_reads_no_more(false);
+    check_crop_reads_no_more(true);
     check_contents();
     check_part_numbers();
     check_damage();
