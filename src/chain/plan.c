@@ -28,7 +28,8 @@ static hdr_status append_step(planning *p, const hdr_step *step, hdr_error *err)
     if (!steps) return hdr_fail(err, HDR_INTERNAL, "out of memory");
     run->steps = steps;
     steps[run->step_count] = *step;
-    memcpy(steps[run->step_count].luminance, run->weights, sizeof run->weights);
+    if (!step->own_weights) memcpy(steps[run->step_count].luminance, run->weights, sizeof run->weights);
+    memcpy(steps[run->step_count].lit, run->weights, sizeof run->weights);
     run->step_count++;
     p->fresh = false;
     p->range.known = 0;
@@ -102,7 +103,9 @@ static hdr_status provide_facts(planning *p, int number, const hdr_clause *claus
 static hdr_status provide_surround(planning *p, int number, const hdr_clause *clause, hdr_step *step, hdr_error *err) {
     hdr_run *run = p->run;
     if (step->wide && !p->luminance->wide) {
-        const hdr_request nothing_else = {.plane = true};
+        hdr_request again = {0};
+        clause->verb->needs(clause->params, &again);
+        const hdr_request nothing_else = {.plane = true, .weights = again.weights};
         hdr_facts facts;
         hdr_status status = new_luminance(p, true, err);
         if (!status) status = hdr_run_facts(run, &nothing_else, &facts, p->luminance, err);
@@ -111,24 +114,23 @@ static hdr_status provide_surround(planning *p, int number, const hdr_clause *cl
     hdr_plane **grown = hdr_grow(run->surrounds, (size_t)run->surround_count + 1, sizeof(hdr_plane *));
     if (!grown) return hdr_fail(err, HDR_INTERNAL, "out of memory");
     run->surrounds = grown;
-    hdr_plane *surround = hdr_plane_new(p->luminance->width, p->luminance->height, p->luminance->wide != NULL, err);
-    if (!surround) return HDR_INTERNAL;
-    run->surrounds[run->surround_count++] = surround;
     hdr_scene scene = {.facts = p->facts, .state = p->state};
     hdr_surroundings with = {.params = clause->params,
                              .scene = &scene,
                              .luminance = p->luminance,
-                             .surround = surround,
                              .pool = run->pool,
+                             .memory = run->settings.memory,
+                             .reference = run->settings.reference,
                              .no_skip = run->settings.no_skip};
     double started = hdr_milliseconds();
     hdr_status status = clause->verb->surround(step, &with, err);
+    if (with.surround) run->surrounds[run->surround_count++] = with.surround;
+    if (with.surround != p->luminance) hdr_plane_free(p->luminance);
+    p->luminance = NULL;
     if (status) return status;
-    step->surround = surround;
+    step->surround = with.surround;
     hdr_say(run->listener, HDR_DETAIL, "surround of clause %d: %.1f ms", number, hdr_milliseconds() - started);
     hdr_say(run->listener, HDR_EXPLAIN, "clause %d (%s): %s", number, clause->verb->about.name, with.note);
-    hdr_plane_free(p->luminance);
-    p->luminance = NULL;
     return HDR_OK;
 }
 

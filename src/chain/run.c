@@ -421,8 +421,9 @@ hdr_status hdr_run_guess(hdr_run *run, bool grey_matters, hdr_error *err) {
 typedef struct facts_sweep {
     hdr_run *run;
     hdr_taking *taking;
-    hdr_plane *plane; /* Y goes there; or NULL */
-    bool whole;       /* all channels are wanted, even if they are equal */
+    hdr_plane *plane;        /* Y goes there; or NULL */
+    const double *intensity; /* weights of what stands for Y; or NULL */
+    bool whole;              /* all channels are wanted, even if they are equal */
     bool reduce; /* one plane stands for three equal ones: the same in all sweeps of a taking, whose counts go together
                   */
 } facts_sweep;
@@ -460,7 +461,10 @@ static hdr_status facts_job(void *context, int item, int thread, hdr_error *err)
             size_t count = width - x < HDR_STRIP ? (size_t)(width - x) : HDR_STRIP;
             if (!hdr_run_load(run, thread, &block, row, (int)x, count, sweep->reduce, sweep->whole)) return HDR_OK;
             hdr_strip_apply(strip, run->steps, 0, run->step_count, run->settings.reference);
-            hdr_strip_luminance(strip, run->weights);
+            if (sweep->intensity)
+                hdr_strip_intensity(strip, sweep->intensity, run->weights);
+            else
+                hdr_strip_luminance(strip, run->weights);
             if (sweep->plane) store_luminance(strip, sweep->plane);
             const double *planes[3] = {strip->c[0], strip->c[1], strip->c[2]};
             hdr_taking_strip(sweep->taking, thread, planes, strip->planes, strip->y,
@@ -483,7 +487,8 @@ static bool are_float_components(const hdr_run *run) {
 
 hdr_status hdr_run_facts(hdr_run *run, const hdr_request *request, hdr_facts *facts, hdr_plane *plane, hdr_error *err) {
     if (request->percentiles) hdr_run_keep(run);
-    facts_sweep sweep = {.run = run, .plane = plane, .whole = request->facts & HDR_FACT_CHANNELS};
+    facts_sweep sweep = {
+        .run = run, .plane = plane, .intensity = request->weights, .whole = request->facts & HDR_FACT_CHANNELS};
     sweep.reduce = run->raw.certain && !sweep.whole;
     int height = (int)hdr_window_height(&run->source->picture.data);
     sweep.taking = hdr_taking_new(request, height, run->thread_count, are_float_components(run), err);

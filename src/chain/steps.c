@@ -13,6 +13,14 @@ void hdr_strip_luminance(hdr_strip *strip, const double weights[3]) {
         hdr_luminance(strip->c[0], strip->c[1], strip->c[2], weights, strip->y, strip->count);
 }
 
+void hdr_strip_intensity(hdr_strip *strip, const double weights[3], const double lit[3]) {
+    hdr_strip_luminance(strip, lit);
+    if (strip->planes == 1) return; /* the weights add up to 1 */
+    hdr_luminance(strip->c[0], strip->c[1], strip->c[2], weights, strip->ld, strip->count);
+    for (size_t i = 0; i < strip->count; i++)
+        strip->y[i] = strip->y[i] > 0 ? strip->ld[i] : 0;
+}
+
 /* ---- Surrounds ---- */
 
 /* S of the strip's pixels into strip->surround. What lies outside the data window has nothing around it but its like.
@@ -59,7 +67,10 @@ static void apply_rows(hdr_strip *strip, const hdr_step *step) {
         colour_by_luminance(strip, step->saturation);
         break;
     case HDR_FORM_LOCAL:
-        hdr_strip_luminance(strip, step->luminance);
+        if (step->own_weights)
+            hdr_strip_intensity(strip, step->luminance, step->lit);
+        else
+            hdr_strip_luminance(strip, step->luminance);
         load_surround(strip, step->surround);
         memcpy(strip->ld, strip->y, strip->count * sizeof(double));
         step->local->rows(&step->constants, strip->ld, strip->surround, strip->count);
@@ -89,6 +100,8 @@ static void reference_pixel(const hdr_strip *strip, size_t i, const hdr_step *st
     } else if (step->form != HDR_FORM_MATRIX) {
         const double *w = step->luminance;
         double y = r == g && g == b ? r : w[0] * r + w[1] * g + w[2] * b;
+        const double *lit = step->lit;
+        if (step->own_weights && !(r == g && g == b) && !(lit[0] * r + lit[1] * g + lit[2] * b > 0)) y = 0;
         double ld = step->form == HDR_FORM_LOCAL
                         ? step->local->exact(&step->constants, y, surround_of(strip, i, step->surround, y))
                         : step->curve->exact(&step->constants, y);

@@ -20,6 +20,9 @@ typedef struct hdr_strip {
 /* Y of the strip's pixels into strip->y. */
 void hdr_strip_luminance(hdr_strip *strip, const double weights[3]);
 
+/* The same of other weights, of pixels whose Y is above 0; of others 0. */
+void hdr_strip_intensity(hdr_strip *strip, const double weights[3], const double lit[3]);
+
 /* Applies steps[first ... end-1]. reference: value by value, through `exact` alone. */
 void hdr_strip_apply(hdr_strip *strip, const hdr_step *steps, int first, int end, bool reference);
 

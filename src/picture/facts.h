@@ -25,9 +25,10 @@ typedef enum hdr_population {
 
 /* What a verb, or stats, asks for. */
 typedef struct hdr_request {
-    unsigned facts; /* HDR_FACT_... */
-    double shift;   /* HDR_FACT_SHIFTED: above 0 */
-    bool plane;     /* Y of every pixel by itself, 0 where it is not lit */
+    unsigned facts;        /* HDR_FACT_... */
+    double shift;          /* HDR_FACT_SHIFTED: above 0 */
+    bool plane;            /* Y of every pixel by itself, 0 where it is not lit */
+    const double *weights; /* what stands for Y in HDR_FACT_LUMINANCE and the plane, where Y is lit; NULL: Y */
     int percentiles;
     struct {
         hdr_population of;

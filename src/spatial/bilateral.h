@@ -46,4 +46,16 @@ hdr_status hdr_bilateral_grid(const hdr_bilateral *filter, double across, double
 
 double hdr_grid_bound(double across, double deep);
 
+/* The cheapest way to a tolerance, in the plane's unit, of grids of several sizes and of a sum that is cut where what
+ * lies beyond does not matter; or of either kind, if only one may be taken. Where nothing keeps it, the most accurate.
+ */
+typedef struct hdr_bilateral_choice {
+    bool grid;
+    double across, deep; /* of the grid */
+    double reach;        /* of the sum */
+    double bound;        /* no base is farther from the exact one */
+} hdr_bilateral_choice;
+hdr_bilateral_choice hdr_bilateral_choose(const hdr_bilateral *filter, const hdr_plane *plane, double tolerance,
+                                          bool only_grid, bool only_direct);
+
 #endif

@@ -51,11 +51,6 @@ typedef struct grid {
     unsigned char *seen; /* levels, of each thread */
 } grid;
 
-double hdr_grid_bound(double across, double deep) {
-    (void)across, (void)deep;
-    return 0.0025;
-}
-
 /* ---- Levels ---- */
 
 static int rows_of(const grid *g, int band) {

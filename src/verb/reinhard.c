@@ -206,7 +206,7 @@ static void explain(const hdr_scales_report *report, const hdr_plane *plane, cha
  * sqrt 2), so that the surround of each is the centre of the next. Activity, equation 7: (V_i - V_(i+1)) / (2^phi key /
  * s_i^2
  * + V_i), here in units of Y, where 2^phi key becomes v[2] = 2^phi Yavg. */
-static hdr_status surround(const hdr_step *step, hdr_surroundings *with, hdr_error *err) {
+static hdr_status surround(hdr_step *step, hdr_surroundings *with, hdr_error *err) {
     const reinhard_params *p = with->params;
     hdr_scales scales = {.epsilon = p->epsilon.value,
                          .unit = 1 / step->constants.v[0],
@@ -217,6 +217,9 @@ static hdr_status surround(const hdr_step *step, hdr_surroundings *with, hdr_err
         scales.sigma[i] = s / 4;
         if (i < HDR_SCALES) scales.offset[i] = step->constants.v[2] / (s * s);
     }
+    const hdr_plane *luminance = with->luminance;
+    with->surround = hdr_plane_new(luminance->width, luminance->height, luminance->wide != NULL, err);
+    if (!with->surround) return HDR_INTERNAL;
     hdr_scales_report report;
     hdr_status status = hdr_scales_surround(&scales, with->luminance, with->surround, NULL, with->pool, &report, err);
     if (status == HDR_OK) explain(&report, with->luminance, with->note, sizeof with->note);

@@ -94,7 +94,9 @@ typedef struct hdr_step {
     bool wide;                    /* the same: its luminances are nothing for float, S is to be computed in double */
     hdr_constants constants;
     double saturation;   /* HDR_FORM_LUMINANCE, HDR_FORM_LOCAL */
-    double luminance[3]; /* weights of Y where the step stands; filled by the chain */
+    bool own_weights;    /* HDR_FORM_LOCAL: luminance[] are the step's own; a pixel is lit if Y is, too */
+    double luminance[3]; /* else weights of Y where the step stands; filled by the chain */
+    double lit[3];       /* weights of Y in any case; filled by the chain */
     double matrix[9];    /* HDR_FORM_MATRIX, by rows */
     char state[64];      /* not empty: what the pixels are afterwards, "linear", "srgb", "gamma 2.2" */
     int bits;            /* above 0: the pixels are quantised to that many bits afterwards */
@@ -117,10 +119,11 @@ typedef enum hdr_verdict {
 typedef struct hdr_surroundings {
     const void *params;
     const hdr_scene *scene;
-    const hdr_plane *luminance; /* Y of each pixel, 0 where it is not lit; wide for the reference */
-    hdr_plane *surround;        /* to be filled; of the same size and type */
+    hdr_plane *luminance; /* Y of each pixel, 0 where it is not lit; it may be overwritten */
+    hdr_plane *surround;  /* to be filled: a new plane of that size, which the chain frees, or `luminance` itself */
     hdr_pool *pool;
-    bool no_skip;
+    uint64_t memory; /* bytes the run may hold pixels in */
+    bool reference, no_skip;
     char note[240]; /* to be filled, for --explain: what was left out */
 } hdr_surroundings;
 
@@ -164,9 +167,9 @@ struct hdr_verb {
     void (*needs)(const void *params, hdr_request *request);
     /* Filters: resolves the parameters. Pure. */
     hdr_verdict (*plan)(const void *params, const hdr_scene *scene, hdr_step *step, hdr_error *err);
-    /* Spatial filters: S of each pixel, for a step that plan() has given HDR_FORM_LOCAL. needs() has asked for the
-     * plane of luminance. The same bytes whatever the pool. */
-    hdr_status (*surround)(const hdr_step *step, hdr_surroundings *with, hdr_error *err);
+    /* Spatial filters: S of each pixel, for a step that plan() has given HDR_FORM_LOCAL, and what of its constants
+     * depends on it. needs() has asked for the plane of luminance. The same bytes whatever the pool. */
+    hdr_status (*surround)(hdr_step *step, hdr_surroundings *with, hdr_error *err);
     const hdr_format *format; /* formats only */
 };
 

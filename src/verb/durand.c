@@ -1,0 +1,315 @@
+/* Durand and Dorsey, Fast Bilateral Filtering for the Display of High-Dynamic-Range Images, SIGGRAPH 2002. */
+#include "kernel/real.h"
+#include "kernel/strip.h"
+#include "spatial/bilateral.h"
+#include "spatial/ranks.h"
+
+#include "verb/verb.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct durand_params {
+    int intensity, method, show;
+    const char *sigma_s; /* as typed: a fraction, or pixels */
+    hdr_number sigma_r, contrast, tolerance;
+    hdr_decimal percentile;
+    hdr_number saturation;
+} durand_params;
+
+enum { INTENSITY_REC709, INTENSITY_DURAND };
+static const char *const intensities[] = {"rec709", "durand", NULL};
+#define HDR_LOG2_10 3.3219280948873623
+enum { SHOW_PICTURE, SHOW_BASE, SHOW_DETAIL };
+static const char *const shows[] = {"picture", "base", "detail", NULL};
+enum { METHOD_AUTO, METHOD_GRID, METHOD_EXACT, METHOD_DIRECT };
+static const char *const methods[] = {"auto", "grid", "exact", "direct", NULL};
+
+static const hdr_option options[] = {
+    {.name = "sigma-s",
+     .type = HDR_OPTION_TEXT,
+     .offset = offsetof(durand_params, sigma_s),
+     .metavar = "SIZE",
+     .default_value = "0.02",
+     .help = "standard deviation in space: a fraction of the picture's larger side, or with px (40px) pixels"},
+    {.name = "sigma-r",
+     .type = HDR_OPTION_NUMBER,
+     .offset = offsetof(durand_params, sigma_r),
+     .metavar = "DECADES",
+     .min = 0.01,
+     .max = 100,
+     .default_value = "0.4",
+     .help = "standard deviation in intensity, in units of log10"},
+    {.name = "contrast",
+     .type = HDR_OPTION_NUMBER,
+     .offset = offsetof(durand_params, contrast),
+     .metavar = "RATIO",
+     .min = 1,
+     .max = 1e30,
+     .above_min = true,
+     .default_value = "5",
+     .help = "what the base layer's contrast is compressed to"},
+    {.name = "percentile",
+     .type = HDR_OPTION_DECIMAL,
+     .offset = offsetof(durand_params, percentile),
+     .metavar = "PERCENT",
+     .min = 0,
+     .max = 50,
+     .default_value = "0.1",
+     .help = "the base layer's contrast is from this percentile to its counterpart from above"},
+    {.name = "intensity",
+     .type = HDR_OPTION_CHOICE,
+     .offset = offsetof(durand_params, intensity),
+     .metavar = "WHICH",
+     .words = intensities,
+     .default_value = "rec709",
+     .help = "luminance, or the paper's (20 R + 40 G + B) / 61"},
+    {.name = "method",
+     .type = HDR_OPTION_CHOICE,
+     .offset = offsetof(durand_params, method),
+     .metavar = "METHOD",
+     .words = methods,
+     .default_value = "auto",
+     .help = "how the filter is computed; auto: the cheapest that keeps --tolerance"},
+    {.name = "tolerance",
+     .type = HDR_OPTION_NUMBER,
+     .offset = offsetof(durand_params, tolerance),
+     .metavar = "E",
+     .min = 0,
+     .max = 10,
+     .default_value = "0.001",
+     .help = "how far the base layer may be from the exact one, in units of log10"},
+    {.name = "show",
+     .type = HDR_OPTION_CHOICE,
+     .offset = offsetof(durand_params, show),
+     .metavar = "LAYER",
+     .words = shows,
+     .default_value = "picture",
+     .help = "the picture, or one of its layers: base, its brightest being 1, or detail, around 0.18"},
+    {.name = "saturation",
+     .type = HDR_OPTION_NUMBER,
+     .offset = offsetof(durand_params, saturation),
+     .metavar = "S",
+     .min = 0,
+     .max = 2,
+     .default_value = "1",
+     .help = "exponent of C/I: 0 gives grey, 1 keeps chromaticity"},
+    {0}};
+
+/* ---- Parameters ---- */
+
+/* The standard deviation in pixels of a picture with that larger side. 0: the text is none. */
+static double sigma_in_pixels(const char *text, double larger_side) {
+    double number = 0;
+    char digits[64];
+    size_t length = strlen(text);
+    bool pixels = length > 2 && !strcmp(text + length - 2, "px");
+    if (pixels) length -= 2;
+    if (length >= sizeof digits) return 0;
+    memcpy(digits, text, length);
+    digits[length] = '\0';
+    const char *end = hdr_read_number(digits, &number);
+    if (!end || *end || !(number >= (pixels ? 0.1 : 1e-6)) || number > (pixels ? 1e6 : 10)) return 0;
+    double sigma = pixels ? number : number * larger_side;
+    return sigma > 0.1 ? sigma : 0.1;
+}
+
+static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
+    const durand_params *p = params;
+    (void)given;
+    if (sigma_in_pixels(p->sigma_s, 1000) == 0)
+        return hdr_fail(err, HDR_USAGE,
+                        "--sigma-s: '%.100s' is neither a fraction (1e-06 to 10) nor pixels (0.1px to 1000000px)",
+                        p->sigma_s);
+    return HDR_OK;
+}
+
+/* I = (20 R + 40 G + B) / 61: Durand's web page about the paper. */
+static const double durand_weights[3] = {20 / 61.0, 40 / 61.0, 1 / 61.0};
+
+static void needs(const void *params, hdr_request *request) {
+    const durand_params *p = params;
+    request->facts |= HDR_FACT_LUMINANCE;
+    request->plane = true;
+    if (p->intensity == INTENSITY_DURAND) request->weights = durand_weights;
+}
+
+/* ---- The curves ---- */
+
+/* Ld = 10^(c (base - hi) + (i - base)), i = log10 I; c = v[0], hi = v[1]. */
+HDR_INLINE double durand_picture_of(const hdr_constants *k, double intensity, double base) {
+    double i = hdr_log10(intensity > 0 ? intensity : 1);
+    double ld = hdr_exp2((k->v[0] * (base - k->v[1]) + (i - base)) * HDR_LOG2_10);
+    return intensity > 0 ? ld : 0;
+}
+HDR_LOCAL_CURVE(durand_picture)
+
+/* The layers: Ld = 10^(base - hi), and Ld = 0.18 10^(i - base). */
+HDR_INLINE double durand_base_of(const hdr_constants *k, double intensity, double base) {
+    double ld = hdr_exp2((base - k->v[1]) * HDR_LOG2_10);
+    return intensity > 0 ? ld : 0;
+}
+HDR_LOCAL_CURVE(durand_base)
+
+HDR_INLINE double durand_detail_of(const hdr_constants *k, double intensity, double base) {
+    (void)k;
+    double i = hdr_log10(intensity > 0 ? intensity : 1);
+    double ld = 0.18 * hdr_exp2((i - base) * HDR_LOG2_10);
+    return intensity > 0 ? ld : 0;
+}
+HDR_LOCAL_CURVE(durand_detail)
+
+/* A picture with nothing lit becomes 0. */
+HDR_INLINE double durand_dark_of(const hdr_constants *k, double y) {
+    (void)k;
+    (void)y;
+    return 0;
+}
+HDR_CURVE(durand_dark)
+
+static hdr_verdict plan(const void *params, const hdr_scene *scene, hdr_step *step, hdr_error *err) {
+    (void)err;
+    static const hdr_local_curve *const curves[] = {&durand_picture, &durand_base, &durand_detail};
+    const durand_params *p = params;
+    const hdr_facts *facts = &scene->facts;
+    step->saturation = p->saturation.value;
+    if (facts->lit == 0) {
+        step->form = HDR_FORM_LUMINANCE;
+        step->curve = &durand_dark;
+        snprintf(step->note, sizeof step->note, "nothing is lit: 0 everywhere");
+        return HDR_RUN;
+    }
+    step->form = HDR_FORM_LOCAL;
+    step->local = curves[p->show];
+    step->own_weights = p->intensity == INTENSITY_DURAND;
+    memcpy(step->luminance, durand_weights, sizeof durand_weights);
+    /* logarithms are taken of what float holds: not of denormal numbers */
+    step->wide = facts->min_lit < 0x1p-120 || facts->max_luminance > 0x1p126;
+    snprintf(step->note, sizeof step->note, "I from %.9g to %.9g", facts->min_lit, facts->max_luminance);
+    return HDR_RUN;
+}
+
+/* ---- The surround: the base layer ---- */
+
+/* The plane as it is worked on: i = log10 I, that of a pixel that is not lit being the least; and which pixels are lit.
+ */
+typedef struct logarithms {
+    const hdr_plane *from;
+    hdr_plane *to; /* may be the same */
+    double least;  /* I of the darkest lit pixel */
+    unsigned char *mask;
+} logarithms;
+
+HDR_INLINE void log_rows_body(double *values, double least, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        values[i] = hdr_log10(values[i] > least ? values[i] : least);
+}
+HDR_VERSIONS_IN(static, log_rows, (double *values, double least, size_t count), (values, least, count))
+
+static hdr_status take_logarithms(void *context, int y, int thread, hdr_error *err) {
+    (void)thread, (void)err;
+    const logarithms *l = context;
+    enum { AT_ONCE = 512 };
+    size_t width = (size_t)l->from->width, from = (size_t)y * l->from->stride, to = (size_t)y * l->to->stride;
+    unsigned char *mask = l->mask + (size_t)y * hdr_mask_row(l->from->width);
+    for (size_t x = 0; x < width; x += AT_ONCE) {
+        double values[AT_ONCE];
+        size_t count = width - x < AT_ONCE ? width - x : AT_ONCE;
+        if (l->from->wide)
+            memcpy(values, l->from->wide + from + x, count * sizeof *values);
+        else
+            hdr_float_to_real(l->from->narrow + from + x, values, count);
+        for (size_t i = 0; i < count; i++)
+            mask[(x + i) / 8] |= (unsigned char)((values[i] > 0) << (x + i) % 8);
+        log_rows(values, l->least, count);
+        if (l->to->wide)
+            memcpy(l->to->wide + to + x, values, count * sizeof *values);
+        else
+            hdr_real_to_float(values, l->to->narrow + to + x, count);
+    }
+    return HDR_OK;
+}
+
+/* What is done with a plane of logarithms. */
+static hdr_status filter(const durand_params *p, const hdr_bilateral *bilateral, hdr_surroundings *with,
+                         hdr_plane *plane, hdr_error *err) {
+    if (with->reference || p->method == METHOD_EXACT) {
+        snprintf(with->note, sizeof with->note, "the exact sum, %d standard deviations wide", HDR_EXACT_REACH);
+        return hdr_bilateral_exact(bilateral, HDR_EXACT_REACH, plane, plane, with->pool, err);
+    }
+    hdr_bilateral_choice choice = hdr_bilateral_choose(bilateral, plane, p->tolerance.value, p->method == METHOD_GRID,
+                                                       p->method == METHOD_DIRECT);
+    hdr_bilateral_report report = {0};
+    if (choice.grid) {
+        hdr_status status = hdr_bilateral_grid(bilateral, choice.across, choice.deep, plane, with->pool, &report, err);
+        snprintf(with->note, sizeof with->note,
+                 "grid of sigma_s / %g and sigma_r / %g, within %.2g: %llu of %llu cells", choice.across, choice.deep,
+                 choice.bound, (unsigned long long)report.used, (unsigned long long)report.cells);
+        return status;
+    }
+    snprintf(with->note, sizeof with->note, "direct sum, %.3g standard deviations wide, within %.2g", choice.reach,
+             choice.bound);
+    return hdr_bilateral_exact(bilateral, choice.reach, plane, plane, with->pool, err);
+}
+
+/* c = min(1, log10(contrast) / (hi - lo)), with lo and hi the percentiles of the base over lit pixels. */
+static hdr_status compress(const durand_params *p, const hdr_plane *base, const unsigned char *mask, uint64_t lit,
+                           hdr_step *step, hdr_surroundings *with, hdr_error *err) {
+    uint64_t rank[2] = {hdr_nearest_rank(p->percentile, lit),
+                        hdr_nearest_rank(hdr_decimal_complement(p->percentile), lit)};
+    double ends[2];
+    hdr_status status = hdr_plane_ranks(base, mask, 2, rank, ends, with->pool, err);
+    if (status != HDR_OK) return status;
+    double wanted = hdr_log10(p->contrast.value), range = ends[1] - ends[0];
+    step->constants.v[0] = range > wanted ? wanted / range : 1;
+    step->constants.v[1] = ends[1];
+    size_t used = strlen(with->note);
+    snprintf(with->note + used, sizeof with->note - used, "; base from %.6g to %.6g, compressed by %.6g", ends[0],
+             ends[1], step->constants.v[0]);
+    return HDR_OK;
+}
+
+static hdr_status surround(hdr_step *step, hdr_surroundings *with, hdr_error *err) {
+    const durand_params *p = with->params;
+    const hdr_facts *facts = &with->scene->facts;
+    hdr_plane *from = with->luminance;
+    int width = from->width, height = from->height;
+    bool wide = with->reference;
+    with->surround = (from->wide != NULL) == wide ? from : hdr_plane_new(width, height, wide, err);
+    if (!with->surround) return HDR_INTERNAL;
+    logarithms l = {.from = from, .to = with->surround, .least = facts->min_lit};
+    l.mask = hdr_alloc((size_t)height, hdr_mask_row(width));
+    hdr_status status = l.mask ? HDR_OK : hdr_fail(err, HDR_INTERNAL, "out of memory");
+    if (status == HDR_OK) status = hdr_pool_run(with->pool, height, take_logarithms, &l, err);
+    hdr_bilateral bilateral = {.sigma_s = sigma_in_pixels(p->sigma_s, width > height ? width : height),
+                               .sigma_r = p->sigma_r.value,
+                               .no_skip = with->no_skip};
+    if (status == HDR_OK) status = hdr_plane_range(with->surround, &bilateral.low, &bilateral.high, with->pool, err);
+    if (status == HDR_OK && bilateral.high == bilateral.low && !with->no_skip)
+        snprintf(with->note, sizeof with->note, "one intensity everywhere: the base is what it is");
+    else if (status == HDR_OK)
+        status = filter(p, &bilateral, with, with->surround, err);
+    if (status == HDR_OK) status = compress(p, with->surround, l.mask, facts->lit, step, with, err);
+    free(l.mask);
+    return status;
+}
+
+static const char *const examples[] = {"hdr durand then png -o OUT.png IN.exr",
+                                       "hdr durand --contrast 20 --sigma-s 40px then png -o OUT.png IN.exr",
+                                       "hdr durand --show detail then png -o OUT.png IN.exr", NULL};
+
+const hdr_verb hdr_verb_durand = {
+    .about = {.name = "durand",
+              .summary = "tone map by a bilateral filter that keeps detail",
+              .details = "",
+              .examples = examples,
+              .options = options,
+              .kind = HDR_FILTER},
+    .params_size = sizeof(durand_params),
+    .check = check,
+    .needs = needs,
+    .plan = plan,
+    .surround = surround,
+};
