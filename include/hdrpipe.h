@@ -298,6 +298,38 @@ typedef struct hdr_stats {
 hdr_status hdr_chain_stats(hdr_chain *chain, hdr_input *input, hdr_stats *stats, const hdr_listener *listener,
                            hdr_error *err);
 
+/* A survey: the facts of several pictures together, such as the frames of a shot. They are as exact as if it were one
+ * picture, and the memory that it takes does not grow with the number of pictures. It goes in rounds, in each of which
+ * every picture is given once:
+ *
+ *     hdr_survey *survey = hdr_survey_new(chain, &error);
+ *     do {
+ *         for (int i = 0; i < count && !error.status; i++) {
+ *             hdr_input *input = hdr_input_open(name[i], &error);
+ *             if (input) hdr_survey_take(survey, input, &stats, NULL, &error);
+ *             hdr_input_free(input);
+ *         }
+ *     } while (!error.status && hdr_survey_next(survey, &together, &error));
+ *     hdr_survey_free(survey);
+ */
+typedef struct hdr_survey hdr_survey;
+
+/* The chain is as for hdr_chain_stats, and must stay as it is until the survey is freed. */
+hdr_survey *hdr_survey_new(hdr_chain *chain, hdr_error *err);
+void hdr_survey_free(hdr_survey *survey);
+
+/* Takes what the round needs of a picture. In the first that is hdr_chain_stats, which fills stats (may be NULL); later
+ * ones leave stats alone, and have no notes: those were said in the first. An input may be kept from one round to the
+ * next, or be opened anew. Where it fails, other pictures may still be given, but there will be no facts of all. */
+hdr_status hdr_survey_take(hdr_survey *survey, hdr_input *input, hdr_stats *stats, const hdr_listener *listener,
+                           hdr_error *err);
+
+/* Ends a round. True: another is needed, of the same pictures, in any order. False: together is filled, but for
+ * picture, min and max, which only a single picture has; log_average is summed in the order of the first round; grey
+ * and opaque tell whether all are. Or it is not filled, and err tells why: a picture failed, or has changed from one
+ * round to the next. */
+bool hdr_survey_next(hdr_survey *survey, hdr_stats *together, hdr_error *err);
+
 /* What is read of the input, from its header alone, with the reading options (--part, --layer, --crop, ...) of a chain,
  * whose clauses do not matter, behind those of the head, if there is one. A chain of NULL has none. */
 hdr_status hdr_input_picture(hdr_input *input, const hdr_chain *chain, hdr_picture *picture, hdr_error *err);

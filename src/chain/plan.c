@@ -71,7 +71,7 @@ static hdr_status provide_facts(planning *p, int number, const hdr_clause *claus
     hdr_request request = {0};
     if (clause->verb->needs) clause->verb->needs(clause->params, &request);
     if (!request.percentiles && (!request.facts || (p->fresh && !(request.facts & ~p->facts.known)))) return HDR_OK;
-    hdr_status status = hdr_run_facts(p->run, &request, &p->facts, err);
+    hdr_status status = hdr_run_facts(p->run, &request, NULL, &p->facts, err);
     p->fresh = !status;
     if (!status)
         hdr_say(p->run->listener, HDR_EXPLAIN, "sweep %d: facts for clause %d (%s)", p->run->sweeps, number,
@@ -313,57 +313,19 @@ hdr_status hdr_chain_run(hdr_chain *chain, hdr_input *input, hdr_output *output,
     return status ? status : run_chain(chain, input, listener, finish_writing, output, err);
 }
 
-static const char *const stats_percents[HDR_PERCENTILES] = {"0.1", "1", "5", "25", "50", "75", "95", "99", "99.9"};
+typedef struct user {
+    hdr_use use;
+    void *context;
+} user;
 
-static hdr_status finish_stats(planning *p, void *context, hdr_error *err) {
-    hdr_stats *stats = context;
-    hdr_request request = {.facts = HDR_FACT_COMPONENTS | HDR_FACT_LUMINANCE | HDR_FACT_CHANNELS,
-                           .percentiles = HDR_PERCENTILES};
-    for (int i = 0; i < HDR_PERCENTILES; i++) {
-        stats->percentile_percent[i] = strtod(stats_percents[i], NULL);
-        request.percentile[i].of = HDR_OF_LIT;
-        const char *dot = strchr(stats_percents[i], '.');
-        request.percentile[i].percent =
-            (hdr_decimal){(uint64_t)(stats->percentile_percent[i] * (dot ? 10 : 1) + 0.5), dot ? 1 : 0};
-    }
-    hdr_facts facts;
-    hdr_status status = hdr_run_facts(p->run, &request, &facts, err);
-    if (status) return status;
-    const hdr_raw *raw = &p->run->raw;
-    stats->picture = p->run->source->picture;
-    if (p->converted) {
-        stats->picture.chromaticities = hdr_rec709;
-        stats->picture.has_chromaticities = stats->picture.has_neutral = false;
-    }
-    stats->picture.present[3] = stats->picture.has_alpha;
-    if (p->run->spread) stats->picture.present[1] = stats->picture.present[2] = true;
-    stats->pixels = facts.pixels;
-    stats->lit = facts.lit;
-    stats->nan = raw->nan;
-    stats->positive_infinity = raw->positive_infinity;
-    stats->negative_infinity = raw->negative_infinity;
-    stats->negative = facts.negative;
-    stats->unlit_colour = facts.unlit_colour;
-    memcpy(stats->min, facts.channel_min, sizeof stats->min);
-    memcpy(stats->max, facts.channel_max, sizeof stats->max);
-    stats->min_luminance = facts.min_luminance;
-    stats->max_luminance = facts.max_luminance;
-    stats->min_lit = facts.min_lit;
-    stats->log_average = facts.log_average;
-    memcpy(stats->percentile, facts.percentile, sizeof stats->percentile);
-    stats->grey = facts.coloured == 0;
-    stats->opaque = raw->opaque;
-    snprintf(stats->picture.state, sizeof stats->picture.state, "%s", p->state);
-    return HDR_OK;
+static hdr_status finish_using(planning *p, void *context, hdr_error *err) {
+    const user *u = context;
+    return u->use(p->run, p->state, p->converted, u->context, err);
 }
 
-hdr_status hdr_chain_stats(hdr_chain *chain, hdr_input *input, hdr_stats *stats, const hdr_listener *listener,
-                           hdr_error *err) {
-    const hdr_verb_about *last = hdr_chain_last(chain);
-    if (last && last->kind == HDR_FORMAT)
-        return hdr_fail(err, HDR_USAGE, "no facts are taken of a file that is written");
-    *stats = (hdr_stats){0};
-    return run_chain(chain, input, listener, finish_stats, stats, err);
+hdr_status hdr_chain_use(hdr_chain *chain, hdr_input *input, const hdr_listener *listener, hdr_use use, void *context,
+                         hdr_error *err) {
+    return run_chain(chain, input, listener, finish_using, &(user){use, context}, err);
 }
 
 hdr_status hdr_input_picture(hdr_input *input, const hdr_chain *chain, hdr_picture *picture, hdr_error *err) {

@@ -14,7 +14,12 @@ const hdr_verb hdr_verb_stats = {
                          "rank), and how many pixels are lit and how many components are NaN, infinite or negative. "
                          "Facts are over the "
                          "data window, after repair, and after the verbs that stand before stats.\n\n"
-                         "With --json, one object a file, each on a line of its own.",
+                         "Of several files, what comes last are the facts of all together, as exact as if they were "
+                         "one picture: counts, range of luminance, log-average and percentiles. They are left out if a "
+                         "file could not be read.\n\n"
+                         "With --json, one object a file, each on a line of its own, with its name as the member file. "
+                         "Of several files, one more has instead of that the member files, their number, and no "
+                         "member that only a single picture has.",
               .examples = examples,
               .options = options,
               .kind = HDR_PROGRAM},
