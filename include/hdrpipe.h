@@ -64,7 +64,10 @@ typedef enum hdr_option_type {
     HDR_OPTION_DECIMAL, /* a decimal in [min,max] that is used exactly as it was typed (percentiles) */
     HDR_OPTION_CHOICE,  /* one of words */
     HDR_OPTION_SIZE,    /* bytes; K, M, G and T multiply by powers of 1024; or one of words */
-    HDR_OPTION_TEXT     /* any text, e.g. a file's name */
+    HDR_OPTION_TEXT,    /* any text, e.g. a file's name */
+    HDR_OPTION_FACTS    /* facts of a whole shot: the name of a file with what `hdr stats --json` printed, which is read
+                           at once; or the numbers themselves, which are what a pipe's head has, in this form:
+                           log_average=0.1,max_luminance=90,p1=0.01,p99=40 */
 } hdr_option_type;
 
 /* One option. Parsing, help, manual, completion and the pipe's head are all made from tables of these, each ended by an

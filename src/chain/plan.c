@@ -66,10 +66,25 @@ static hdr_status convert_primaries(planning *p, hdr_error *err) {
 
 /* ---- Clauses ---- */
 
-/* Facts that are at hand already, or a sweep for them. */
-static hdr_status provide_facts(planning *p, int number, const hdr_clause *clause, hdr_error *err) {
+static const hdr_shot *shot_of(const hdr_clause *clause) {
+    return hdr_options_shot(clause->verb->about.options, clause->params);
+}
+
+/* What the verb wants to know. */
+static hdr_request request_of(const hdr_clause *clause) {
     hdr_request request = {0};
     if (clause->verb->needs) clause->verb->needs(clause->params, &request);
+    return request;
+}
+
+/* Facts that are at hand already, or a sweep for them. */
+static hdr_status provide_facts(planning *p, int number, const hdr_clause *clause, hdr_error *err) {
+    hdr_request request = request_of(clause);
+    if (shot_of(clause)) {
+        hdr_say(p->run->listener, HDR_EXPLAIN, "clause %d (%s): facts of the whole shot, as given", number,
+                clause->verb->about.name);
+        return HDR_OK;
+    }
     if (!request.percentiles && (!request.facts || (p->fresh && !(request.facts & ~p->facts.known)))) return HDR_OK;
     hdr_status status = hdr_run_facts(p->run, &request, NULL, &p->facts, err);
     p->fresh = !status;
@@ -97,6 +112,11 @@ static hdr_status resolve(planning *p, int number, const hdr_clause *clause, hdr
     *facts = p->fresh ? p->facts : p->range;
     *step = (hdr_step){.verb = clause->verb, .clause = number, .saturation = 1};
     hdr_scene scene = {.facts = *facts, .state = p->state};
+    hdr_request request = request_of(clause);
+    const hdr_shot *shot = shot_of(clause);
+    if (shot && !hdr_facts_of_shot(shot, &request, &scene.facts))
+        return hdr_fail(err, HDR_INTERNAL, "clause %d (%s): it was not checked what --facts holds", number,
+                        clause->verb->about.name);
     *verdict = clause->verb->plan(clause->params, &scene, step, err);
     if (*verdict != HDR_REFUSE) return HDR_OK;
     char prefix[100];
@@ -137,9 +157,8 @@ static hdr_status plan_clause(planning *p, int number, const hdr_clause *clause,
 /* True if some clause asks for facts, so that there will be more than one sweep. */
 static bool wants_facts(const hdr_chain *chain) {
     for (int i = 0; i < chain->count; i++) {
-        hdr_request request = {0};
-        if (chain->clauses[i].verb->needs) chain->clauses[i].verb->needs(chain->clauses[i].params, &request);
-        if (request.facts || request.percentiles) return true;
+        hdr_request request = request_of(&chain->clauses[i]);
+        if ((request.facts || request.percentiles) && !shot_of(&chain->clauses[i])) return true;
     }
     return false;
 }

@@ -378,3 +378,20 @@ bool hdr_taking_next(hdr_taking *taking, hdr_facts *facts) {
 bool hdr_taking_contradicted(const hdr_taking *taking) {
     return taking->contradicted;
 }
+
+/* ---- Facts of a shot ---- */
+
+bool hdr_facts_of_shot(const hdr_shot *shot, const hdr_request *request, hdr_facts *facts) {
+    if (request->facts & ~(unsigned)HDR_FACT_LUMINANCE) return false;
+    for (int i = 0; i < request->percentiles; i++) {
+        double percent = hdr_decimal_value(request->percentile[i].percent);
+        if (request->percentile[i].of != HDR_OF_LIT || (percent != 1 && percent != 99)) return false;
+        facts->percentile[i] = percent == 1 ? shot->low : shot->high;
+    }
+    facts->known |= HDR_FACT_LUMINANCE;
+    facts->lit = shot->lit;
+    facts->log_average = shot->log_average;
+    facts->max_luminance = shot->max_luminance;
+    facts->min_luminance = facts->min_lit = 0;
+    return true;
+}

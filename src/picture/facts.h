@@ -75,4 +75,8 @@ bool hdr_taking_next(hdr_taking *taking, hdr_facts *facts);
  * meanwhile. It may go unnoticed. */
 bool hdr_taking_contradicted(const hdr_taking *taking);
 
+/* Puts the numbers of a shot in place of those of a picture. min_luminance and min_lit, which it does not have, become
+ * 0. False: the request is for others than it has. */
+bool hdr_facts_of_shot(const hdr_shot *shot, const hdr_request *request, hdr_facts *facts);
+
 #endif

@@ -1,9 +1,13 @@
-/* Facts of a whole shot: the survey that finds them, against sums and percentiles that are computed here by sorting. */
+/* Facts of a whole shot: their text, the JSON that they are read from, and the survey that finds them, against sums and
+ * percentiles that are computed here by sorting. */
+#include "chain/shot.h"
 #include "check.h"
 #include "hdrpipe.h"
 
 #include <float.h>
+#include <locale.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,6 +23,281 @@ static uint64_t random_bits(void) {
 
 static double random_unit(void) {
     return (double)(random_bits() >> 11) * 0x1p-53;
+}
+
+/* ---- As text ---- */
+
+typedef struct params {
+    int before;
+    hdr_shot shot;
+    int behind;
+} params;
+
+static const hdr_option table[] = {{.name = "facts",
+                                    .type = HDR_OPTION_FACTS,
+                                    .offset = offsetof(params, shot),
+                                    .metavar = "FILE",
+                                    .help = "facts of the shot"},
+                                   {0}};
+
+static hdr_status set(const char *text, params *p, hdr_options *given, hdr_error *error) {
+    *p = (params){.before = 1, .behind = 2};
+    hdr_options_default(table, p);
+    CHECK(!p->shot.given && !hdr_options_shot(table, p), "no facts are given by default");
+    return hdr_option_set(&table[0], text, p, given, error);
+}
+
+static bool same_shot(const hdr_shot *a, const hdr_shot *b) {
+    return a->given == b->given && a->lit == b->lit && a->log_average == b->log_average &&
+           a->max_luminance == b->max_luminance && a->low == b->low && a->high == b->high;
+}
+
+/* To text, into an option, and out of it as words of the head. */
+static void check_round_trip(const hdr_shot *shot) {
+    char text[HDR_SHOT_TEXT], expected[HDR_SHOT_TEXT + 20];
+    params p;
+    hdr_options given = {0};
+    hdr_error error = {0};
+    hdr_bytes words = {0};
+    hdr_shot_print(shot, text);
+    CHECK(hdr_shot_is_text(text), "not taken for facts: %s", text);
+    CHECK(set(text, &p, &given, &error) == HDR_OK, "%s", error.message);
+    CHECK(same_shot(&p.shot, shot) && p.before == 1 && p.behind == 2, "other numbers come out of %s", text);
+    CHECK(hdr_options_shot(table, &p) == &p.shot, "given facts are found");
+    snprintf(expected, sizeof expected, " --facts %s", text);
+    CHECK(hdr_options_print(&given, &words, &error) == HDR_OK && words.size == strlen(expected) &&
+              !memcmp(words.data, expected, words.size),
+          "the head has '%.*s'", (int)words.size, (const char *)words.data);
+    hdr_options_free(&given);
+    free(words.data);
+}
+
+static hdr_shot random_shot(void) {
+    hdr_shot shot = {.given = true, .lit = true};
+    shot.low = pow(10, random_unit() * 40 - 44);
+    shot.high = shot.low * (1 + random_unit() * 1e6);
+    shot.max_luminance = shot.high * (1 + random_unit() * 100);
+    shot.log_average = shot.max_luminance * random_unit();
+    return shot;
+}
+
+static void test_round_trips(void) {
+    static const hdr_shot ends[] = {{true, false, 0, 0, 0, 0},
+                                    {true, true, 0.18, 0.18, 0.18, 0.18},
+                                    {true, true, 1e-250, 1e50, 1e-250, 1e50},
+                                    {true, true, 0x1p-149, 0x1p-149, 0x1p-149, 0x1p-149},
+                                    /* a maximum of half the least float, whose percentiles are rounded up to that */
+                                    {true, true, 0x1p-151, 0x1p-150, 0x1p-149, 0x1p-149}};
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++)
+        check_round_trip(&ends[i]);
+    for (int i = 0; i < 2000; i++) {
+        hdr_shot shot = random_shot();
+        check_round_trip(&shot);
+    }
+    static const char *const commas[] = {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "de_DE", NULL};
+    for (int i = 0; commas[i]; i++)
+        if (setlocale(LC_NUMERIC, commas[i])) break;
+    check_round_trip(&ends[1]);
+    setlocale(LC_NUMERIC, "C");
+}
+
+static void test_bad_texts(void) {
+    static const char *const bad[] = {"",
+                                      "shot.json",
+                                      "log_average",
+                                      "log_average=",
+                                      "log_average=1",
+                                      "log_average=1,max_luminance=2,p1=0.5",
+                                      "log_average=1,max_luminance=2,p1=0.5,p99=",
+                                      "log_average=1,max_luminance=2,p1=0.5,p99=1,",
+                                      "log_average=1,max_luminance=2,p1=0.5,p99=1 ",
+                                      "log_average=1,max_luminance=2,p1=0.5,p99=1,p100=2",
+                                      "log_average= 1,max_luminance=2,p1=0.5,p99=1",
+                                      "log_average=1,max_luminance=2,p99=1,p1=0.5",
+                                      "log_average=1;max_luminance=2;p1=0.5;p99=1",
+                                      "max_luminance=2,log_average=1,p1=0.5,p99=1",
+                                      "log_average=one,max_luminance=2,p1=0.5,p99=1",
+                                      "log_average=0x1,max_luminance=2,p1=0.5,p99=1",
+                                      "log_average=nan,max_luminance=2,p1=0.5,p99=1",
+                                      "log_average=1,max_luminance=inf,p1=0.5,p99=1",
+                                      "log_average=1,max_luminance=1e999,p1=0.5,p99=1",
+                                      "log_average=-1,max_luminance=2,p1=0.5,p99=1",
+                                      "log_average=1,max_luminance=2,p1=-0.5,p99=1",
+                                      "log_average=0,max_luminance=2,p1=0.5,p99=1",
+                                      "log_average=1,max_luminance=2,p1=0,p99=1",
+                                      "log_average=0,max_luminance=2,p1=0,p99=0",
+                                      "log_average=1,max_luminance=0,p1=0,p99=0",
+                                      "log_average=3,max_luminance=2,p1=0.5,p99=1",
+                                      "log_average=1,max_luminance=2,p1=1,p99=0.5",
+                                      "log_average=1,max_luminance=2,p1=0.5,p99=2.1",
+                                      "log_average=1e-251,max_luminance=2,p1=0.5,p99=1",
+                                      "log_average=1,max_luminance=1e51,p1=0.5,p99=1"};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        params p;
+        hdr_options given = {0};
+        hdr_error error = {0};
+        CHECK(set(bad[i], &p, &given, &error) == HDR_USAGE, "%s is taken", bad[i]);
+        CHECK(!p.shot.given && given.count == 0, "%s leaves something behind", bad[i]);
+        CHECK(strstr(error.message, "--facts: ") && strstr(error.message, "\n      --facts FILE"), "%s: %s", bad[i],
+              error.message);
+        hdr_options_free(&given);
+    }
+}
+
+/* ---- From JSON ---- */
+
+#define A_FILE(name)                                                                                                   \
+    "{\"file\": \"" name "\", \"window\": [0, -1, 2.5e+1], \"pixels\": 100, \"lit\": 90, \"min\": {\"R\": -1E-2}, "    \
+    "\"max_luminance\": 8, \"log_average\": 0.25, \"percentiles\": {\"0.1\": 0.0625, \"1\": 0.125, \"99\": 4, "        \
+    "\"99.9\": 8}, \"neutral\": null, \"grey\": false, \"opaque\": true}\n"
+#define ALL(count)                                                                                                     \
+    "{\"files\": " count ", \"pixels\": 200, \"lit\": 180, \"max_luminance\": 16, \"log_average\": 0.5, "              \
+    "\"percentiles\": {\"1\": 0.25, \"99\": 12}, \"grey\": true}\n"
+
+static hdr_status read_text(const char *text, hdr_shot *shot, hdr_error *error) {
+    *error = (hdr_error){.status = HDR_OK};
+    return hdr_shot_read(text, strlen(text), shot, error);
+}
+
+static void test_good_json(void) {
+    static const hdr_shot one = {true, true, 0.25, 8, 0.125, 4}, two = {true, true, 0.5, 16, 0.25, 12};
+    static const hdr_shot dark = {.given = true};
+    static const struct good {
+        const char *text;
+        const hdr_shot *shot;
+    } good[] = {
+        {A_FILE("a"), &one},
+        {A_FILE("a") A_FILE("b") ALL("2"), &two},
+        {A_FILE("a") A_FILE("a") A_FILE("a") ALL("3") "\n \t\r\n", &two},
+        {ALL("7"), &two}, /* the last line alone */
+        {A_FILE("\\\"\\\\\\/\\b\\f\\n\\r\\t\\u00fF \xc3\xa4 \xff files lit"), &one},
+        {"{\"file\":\"\",\"pixels\":0,\"lit\":0,\"max_luminance\":0,\"log_average\":0,\"percentiles\":{\"1\":0,"
+         "\"99\":0}}",
+         &dark},
+        /* where nothing is lit the maximum may be below 0 */
+        {"{\"file\":\"\",\"pixels\":9,\"lit\":0,\"max_luminance\":-2,\"log_average\":0,\"percentiles\":{\"1\":0,"
+         "\"99\":0}}",
+         &dark},
+        /* what other members hold does not matter, whatever they are called */
+        {"{\"x\": {\"lit\": 7, \"percentiles\": {\"1\": 99}, \"file\": 1, \"files\": 2}, \"y\": [{\"pixels\": 1}], "
+         "\"file\": \"\", \"pixels\":100,\"lit\":90,\"max_luminance\":8,\"log_average\":0.25,\"percentiles\":{\"x\": "
+         "{\"1\": 3}, \"1\":0.125,\"99\":4}}",
+         &one},
+    };
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
+        hdr_shot shot;
+        hdr_error error;
+        CHECK(read_text(good[i].text, &shot, &error) == HDR_OK, "%s: %s", good[i].text, error.message);
+        CHECK(same_shot(&shot, good[i].shot), "other facts are read from %s", good[i].text);
+    }
+}
+
+#define NUMBERS(pixels, lit, most, average, low, high)                                                                 \
+    "{\"file\":\"\",\"pixels\":" pixels ",\"lit\":" lit ",\"max_luminance\":" most ",\"log_average\":" average         \
+    ",\"percentiles\":{\"1\":" low ",\"99\":" high "}}"
+
+static void test_bad_json(void) {
+    static const struct bad {
+        const char *text, *what;
+    } bad[] = {
+        {"", "is empty"},
+        {" \n", "is empty"},
+        {"[]", "is no JSON"},
+        {"null", "is no JSON"},
+        {"hdrpipe 1\n", "is no JSON"},
+        {"{}", "lacks"},
+        {"{\"file\": \"a\"}", "lacks"},
+        {A_FILE("a") A_FILE("b"), "but not of all together"},
+        {A_FILE("a") A_FILE("b") ALL("3"), "fewer or more"},
+        {A_FILE("a") A_FILE("b") ALL("2") A_FILE("c"), "goes on"},
+        {A_FILE("a") A_FILE("b") ALL("2") A_FILE("a") A_FILE("b") ALL("2"), "goes on"},
+        {ALL("2") ALL("2"), "goes on"},
+        {A_FILE("a") "}", "is no JSON"},
+        {A_FILE("a") "x", "is no JSON"},
+        {A_FILE("\n"), "is no JSON"},
+        {A_FILE("\\x"), "is no JSON"},
+        {A_FILE("\\u12g4"), "is no JSON"},
+        {A_FILE("a") "{\"file\": \"b", "is cut off"},
+        {NUMBERS("100", "90", "8", "0.25", "0.125", "4") ",", "is no JSON"},
+        {NUMBERS("100", "090", "8", "0.25", "0.125", "4"), "is no JSON"},
+        {NUMBERS("100", "+90", "8", "0.25", "0.125", "4"), "is no JSON"},
+        {NUMBERS("100", "90.", "8", "0.25", "0.125", "4"), "is no JSON"},
+        {NUMBERS("100", "90", ".8", "0.25", "0.125", "4"), "is no JSON"},
+        {NUMBERS("100", "90", "8e", "0.25", "0.125", "4"), "is no JSON"},
+        {NUMBERS("100", "90", "inf", "0.25", "0.125", "4"), "is no JSON"},
+        {NUMBERS("100", "90", "NaN", "0.25", "0.125", "4"), "is no JSON"},
+        {NUMBERS("100", "90", "0x8", "0.25", "0.125", "4"), "is no JSON"},
+        {NUMBERS("100", "90", "8 8", "0.25", "0.125", "4"), "is no JSON"},
+        {NUMBERS("100", "90", "8", "0,25", "0.125", "4"), "is no JSON"},
+        {NUMBERS("100", "90", "null", "0.25", "0.125", "4"), "lacks"},
+        {NUMBERS("100", "90", "\"8\"", "0.25", "0.125", "4"), "lacks"},
+        {NUMBERS("100", "90", "1e999", "0.25", "0.125", "4"), "not finite"},
+        {NUMBERS("100", "90", "8", "-0.25", "0.125", "4"), "negative"},
+        {NUMBERS("100", "90", "8", "0.25", "-0.125", "4"), "negative"},
+        {NUMBERS("100", "90", "-8", "0.25", "0.125", "4"), "negative"},
+        {NUMBERS("100", "0", "8", "0.25", "0.125", "4"), "contradicts"},
+        {NUMBERS("100", "90", "8", "0", "0", "0"), "contradicts"},
+        {NUMBERS("100", "0", "8", "0", "0", "0"), "contradicts"},
+        {NUMBERS("100", "101", "8", "0.25", "0.125", "4"), "contradicts"},
+        {NUMBERS("100", "-1", "8", "0.25", "0.125", "4"), "contradicts"},
+        {NUMBERS("100", "90", "8", "9", "0.125", "4"), "contradicts"},
+        {NUMBERS("100", "90", "8", "0.25", "5", "4"), "contradicts"},
+        {NUMBERS("100", "90", "8", "0.25", "0.125", "9"), "contradicts"},
+        {"{\"files\": 2," NUMBERS("100", "90", "8", "0.25", "0.125", "4") + 1, "is no JSON"},
+        {"{\"file\": \"\", \"lit\": 1, \"lit\": 1}", "twice"},
+        {"{\"file\": 00000000000000000000000000000000000000000000000000000000000000000000}", "is no JSON"},
+        {"{\"lit\": 1000000000000000000000000000000000000000000000000000000000000000000000}", "too many digits"},
+        {"{\"x\":[[[[[[[[[[[[[[[[[[[[1]]]]]]]]]]]]]]]]]]]]}", "nested"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        hdr_shot shot = {.given = true};
+        hdr_error error;
+        CHECK(read_text(bad[i].text, &shot, &error) == HDR_BAD_DATA, "taken: %s", bad[i].text);
+        CHECK(strstr(error.message, bad[i].what) && strstr(error.message, "hdr stats --json"), "%s: %s", bad[i].text,
+              error.message);
+        CHECK(!shot.given, "something is left of %s", bad[i].text);
+    }
+    static const char with_nul[] = A_FILE("a") "\0";
+    hdr_shot shot;
+    CHECK(hdr_shot_read(with_nul, sizeof with_nul - 1, &shot, NULL) == HDR_BAD_DATA, "a NUL is taken");
+    /* brackets without end */
+    char *deep = malloc(1 << 20);
+    memset(deep, '[', 1 << 20);
+    memcpy(deep, "{\"x\":", 5);
+    CHECK(hdr_shot_read(deep, 1 << 20, &shot, NULL) == HDR_BAD_DATA, "a million brackets are taken");
+    free(deep);
+}
+
+/* Cut off anywhere, it is refused; changed anywhere, it is refused or gives facts that can be. */
+static void test_damaged_json(void) {
+    static const char whole[] = A_FILE("a") A_FILE("b\\\"\\u00e4") ALL("2");
+    size_t size = sizeof whole - 1, first = strlen(A_FILE("a")), taken = 0;
+    hdr_shot shot;
+    for (size_t length = 0; length < size; length++) {
+        char *part = malloc(length + 1); /* so that a sanitizer sees a byte too far */
+        memcpy(part, whole, length);
+        bool good = length == first || length == first - 1 || length == size - 1;
+        CHECK((hdr_shot_read(part, length, &shot, NULL) == HDR_OK) == good, "%zu of %zu bytes", length, size);
+        free(part);
+    }
+    for (int i = 0; i < 200000; i++) {
+        char *text = malloc(size);
+        memcpy(text, whole, size);
+        size_t length = random_bits() % 8 ? size : random_bits() % size;
+        for (uint64_t changes = 1 + random_bits() % 3; changes > 0; changes--) {
+            size_t at = random_bits() % size;
+            static const char telling[] = "{}[]\":,-+.eE0123456789ntf\\u \n";
+            text[at] = random_bits() % 2 ? telling[random_bits() % (sizeof telling - 1)] : (char)random_bits();
+        }
+        hdr_error error = {0};
+        hdr_status status = hdr_shot_read(text, length, &shot, &error);
+        CHECK((status == HDR_OK && shot.given && !hdr_shot_fault(&shot)) ||
+                  (status == HDR_BAD_DATA && !shot.given && error.message[0]),
+              "damage %d: status %d", i, (int)status);
+        taken += status == HDR_OK;
+        free(text);
+    }
+    CHECK(taken > 0, "no damaged text was taken, not even with another name of a file");
 }
 
 /* ---- A survey ---- */
@@ -233,6 +512,11 @@ static void test_failing_survey(void) {
 }
 
 int main(void) {
+    test_round_trips();
+    test_bad_texts();
+    test_good_json();
+    test_bad_json();
+    test_damaged_json();
     test_survey();
     test_failing_survey();
     return check_done("test_shot");
