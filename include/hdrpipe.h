@@ -225,7 +225,8 @@ typedef struct hdr_chain hdr_chain;
 hdr_chain *hdr_chain_new(hdr_error *err);
 void hdr_chain_free(hdr_chain *chain);
 
-/* Adds one clause: words[0] is the verb, the others are its options and common options, as on a command line. */
+/* Adds one clause: words[0] is the verb, the others are its options and common options, as on a command line. A file of
+ * facts that they name is read here: HDR_NO_INPUT, HDR_BAD_DATA. */
 hdr_status hdr_chain_add(hdr_chain *chain, const char *const words[], int count, hdr_error *err);
 
 /* Adds the clauses of a whole command line: VERB [OPTION...] [then VERB [OPTION...]]... [FILE...]. ":" stands for

@@ -3,6 +3,7 @@
 #include "chain/shot.h"
 #include "check.h"
 #include "hdrpipe.h"
+#include "picture/facts.h"
 
 #include <float.h>
 #include <locale.h>
@@ -141,6 +142,42 @@ static void test_bad_texts(void) {
         CHECK(strstr(error.message, "--facts: ") && strstr(error.message, "\n      --facts FILE"), "%s: %s", bad[i],
               error.message);
         hdr_options_free(&given);
+    }
+}
+
+/* ---- In place of a picture's ---- */
+
+static void test_requests(void) {
+    const hdr_shot shot = {true, true, 2, 9, 1, 5};
+    const struct {
+        hdr_population of;
+        hdr_decimal percent;
+        double wanted; /* 0: a shot has no such percentile */
+    } percentiles[] = {{HDR_OF_LIT, {1, 0}, 1},        {HDR_OF_LIT, {99, 0}, 5},      {HDR_OF_LIT, {990, 1}, 5},
+                       {HDR_OF_LIT, {1001, 3}, 0},     {HDR_OF_LIT, {50, 0}, 0},      {HDR_OF_LIT, {100, 0}, 0},
+                       {HDR_OF_LUMINANCE, {99, 0}, 0}, {HDR_OF_COMPONENTS, {1, 0}, 0}};
+    for (size_t i = 0; i < sizeof percentiles / sizeof *percentiles; i++) {
+        hdr_request request = {.facts = HDR_FACT_LUMINANCE, .percentiles = 2};
+        request.percentile[0].of = HDR_OF_LIT;
+        request.percentile[0].percent = (hdr_decimal){99, 0};
+        request.percentile[1].of = percentiles[i].of;
+        request.percentile[1].percent = percentiles[i].percent;
+        hdr_facts facts = {.known = HDR_FACT_COMPONENTS, .max_component = 7, .max_luminance = 3, .min_lit = 1};
+        bool satisfied = hdr_facts_of_shot(&shot, &request, &facts);
+        CHECK(satisfied == (percentiles[i].wanted > 0), "percentile %zu: %s", i, satisfied ? "satisfied" : "refused");
+        if (!satisfied) continue;
+        CHECK(facts.percentile[0] == 5 && facts.percentile[1] == percentiles[i].wanted, "percentile %zu is %g", i,
+              facts.percentile[1]);
+        CHECK(facts.known == (HDR_FACT_COMPONENTS | HDR_FACT_LUMINANCE) && facts.max_component == 7, "what was known");
+        CHECK(facts.lit == 1 && facts.log_average == 2 && facts.max_luminance == 9 && facts.min_lit == 0,
+              "the numbers are the shot's");
+    }
+    static const unsigned refused[] = {HDR_FACT_COMPONENTS, HDR_FACT_CHANNELS,
+                                       HDR_FACT_COMPONENTS | HDR_FACT_LUMINANCE};
+    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
+        hdr_facts facts = {.known = 0};
+        CHECK(!hdr_facts_of_shot(&shot, &(hdr_request){.facts = refused[i]}, &facts) && !facts.known,
+              "facts %u are none of a shot's", refused[i]);
     }
 }
 
@@ -313,7 +350,7 @@ typedef struct picture {
 static float value_for(int number, size_t i) {
     uint64_t kind = random_bits() % 50;
     if (number == 1 && i == WIDTH * HEIGHT / 2) return INFINITY; /* met late: the sweep begins again */
-    if (number == 2 && kind < 3) return kind == 0 ? NAN : kind == 1 ? -INFINITY : INFINITY;
+    if (number != 1 && kind < 3) return kind == 0 ? NAN : kind == 1 ? -INFINITY : INFINITY;
     if (kind == 3) return 0;
     if (kind == 4) return -(float)random_unit();
     return (float)pow(10, random_unit() * 6 - 3 - number); /* each darker than the one before */
@@ -456,7 +493,7 @@ static void test_survey(void) {
         int notes;
         if (survey(pictures, PICTURES, settings[s], each, &together, &notes)) continue;
         check_stats(settings[s], &together, &all);
-        CHECK(notes == 2, "%s: %d notes about two pictures to be repaired", settings[s], notes);
+        CHECK(notes == PICTURES, "%s: %d notes about three pictures to be repaired", settings[s], notes);
         CHECK(!together.grey && together.opaque, "%s: one picture has colour, none an alpha", settings[s]);
         if (s == 0) first = together;
         CHECK(together.log_average == first.log_average, "%s: another log-average", settings[s]);
@@ -478,6 +515,30 @@ static void test_survey(void) {
         free_picture(&pictures[n]);
 }
 
+/* A second round that is not the first again, though no picture fails. */
+static void test_other_rounds(void) {
+    picture pictures[2] = {make_picture(0), make_picture(1)};
+    for (int less = 0; less < 2; less++) {
+        hdr_error error = {0};
+        hdr_stats together;
+        hdr_chain *chain = hdr_chain_new(&error);
+        hdr_survey *of = hdr_survey_new(chain, &error);
+        for (int round = 0; round < 2; round++) {
+            for (int i = 0; i < 2 + (round == 0 ? 0 : less ? -1 : 1); i++) {
+                hdr_input *input = open_picture(&pictures[i % 2], &error);
+                hdr_survey_take(of, input, NULL, NULL, &error);
+                hdr_input_free(input);
+            }
+            CHECK(hdr_survey_next(of, &together, &error) == (round == 0), "round %d: another is needed or not", round);
+        }
+        CHECK(error.status == HDR_BAD_DATA, "a second round of %s pictures is taken", less ? "fewer" : "more");
+        hdr_survey_free(of);
+        hdr_chain_free(chain);
+    }
+    for (int n = 0; n < 2; n++)
+        free_picture(&pictures[n]);
+}
+
 /* No facts of all where one is missing, or is not what it was. */
 static void test_failing_survey(void) {
     picture good = make_picture(0), other = make_picture(0);
@@ -492,7 +553,7 @@ static void test_failing_survey(void) {
         CHECK(status == HDR_OK, "%s", error.message);
         if (changed) {
             CHECK(hdr_survey_next(of, &together, &error), "a second round is needed");
-            for (int i = 0; i < WIDTH; i++)
+            for (int i = 0; i < WIDTH * HEIGHT; i++)
                 other.plane[0][i] = -1;
         }
         status = hdr_survey_take(of, bad, NULL, NULL, &fault);
@@ -514,10 +575,12 @@ static void test_failing_survey(void) {
 int main(void) {
     test_round_trips();
     test_bad_texts();
+    test_requests();
     test_good_json();
     test_bad_json();
     test_damaged_json();
     test_survey();
+    test_other_rounds();
     test_failing_survey();
     return check_done("test_shot");
 }
