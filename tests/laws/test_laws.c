@@ -223,6 +223,7 @@ static bool is_absolute(const law_variant *variant) {
     } absolute[] = {{"log", "mode", "literal"}, {"reinhard", "delta", NULL}};
     for (int i = 0; i < variant->values; i++) {
         const law_value *value = &variant->value[i];
+        if (value->option->type == HDR_OPTION_FACTS) return true; /* not those of the picture */
         /* a number where "auto" could stand is in the scene's units */
         for (int w = 0; value->option->words && value->option->words[w]; w++)
             if (value->option->type == HDR_OPTION_NUMBER && !strcmp(value->option->words[w], "auto") &&
