@@ -296,6 +296,56 @@ static hdr_status surround(hdr_step *step, hdr_surroundings *with, hdr_error *er
     return status;
 }
 
+#define DETAILS                                                                                                        \
+    "The operator of Durand and Dorsey (SIGGRAPH 2002). The logarithm of intensity is parted in a base layer, the "    \
+    "large "                                                                                                           \
+    "differences of light, and a detail layer, what is left; the base alone is compressed, so that detail keeps its "  \
+    "full "                                                                                                            \
+    "contrast. With i = log10 I:\n\n"                                                                                  \
+    "base = sum of f(p - s) g(i_p - i_s) i_p, divided by the same sum without i_p, over all pixels p: the bilateral "  \
+    "filter, "                                                                                                         \
+    "with f and g the Gaussians of standard deviation --sigma-s and --sigma-r. It averages a pixel with those that "   \
+    "are near "                                                                                                        \
+    "it in the picture and near it in intensity, so that it blurs a wall, and not across its edge. The window is cut " \
+    "at the "                                                                                                          \
+    "picture's border.\n\n"                                                                                            \
+    "c = min(1, log10(CONTRAST) / (hi - lo)), where lo and hi are the percentiles PERCENT and 100 - PERCENT of the "   \
+    "base over "                                                                                                       \
+    "lit pixels, by nearest rank (0: its minimum and maximum, as printed; then one firefly sets the contrast of the "  \
+    "whole "                                                                                                           \
+    "picture).\n\n"                                                                                                    \
+    "Ld = 10^(c (base - hi) + (i - base)), and C' = C (Ld/I) for each component; with --saturation S, (C/I)^S Ld. hi " \
+    "becomes "                                                                                                         \
+    "1; what is brighter, and detail on bright ground, may exceed it and is clipped by what writes codes. A pixel "    \
+    "that is not "                                                                                                     \
+    "lit (I or luminance not above 0) becomes 0, and counts as the darkest lit one in the filter. The result is "      \
+    "linear and "                                                                                                      \
+    "does not depend on the exposure of the render.\n\n"                                                               \
+    "I is luminance, or with --intensity durand the authors' (20 R + 40 G + B) / 61.\n\n"                              \
+    "Units. --sigma-s 0.02 is 2 percent of the data window's larger side, so that half the resolution gives the same " \
+    "picture; 40px is 40 pixels whatever the size. The larger it is, the larger the features that count as detail. "   \
+    "--sigma-r is in powers of ten: edges of more than about twice as much stay in the base and get compressed. Too "  \
+    "small "                                                                                                           \
+    "(0.1), texture gets into the base and the picture goes flat and grainy; too large (1 and more), the filter "      \
+    "becomes a "                                                                                                       \
+    "plain blur, and halos stand around edges, as everybody's local contrast filters have them. --contrast 5 makes "   \
+    "lit "                                                                                                             \
+    "interiors and the view from their windows visible together; 20 to 50 keep more of the light's drama; c = 1 "      \
+    "leaves the "                                                                                                      \
+    "picture as it is but for the exposure.\n\n"                                                                       \
+    "Methods. auto takes the cheapest whose stated error is within --tolerance, everywhere in the picture, whatever "  \
+    "the "                                                                                                             \
+    "scene: of bilateral grids of several cell sizes (Chen, Paris and Durand 2007; here with cubic splines, whose "    \
+    "own blur is "                                                                                                     \
+    "taken off the grid's), and of the direct sum cut where what lies beyond cannot matter, for a sigma-s of a pixel " \
+    "or two. "                                                                                                         \
+    "grid and direct hold it to one kind. exact is the sum itself, in double: some seconds for a megapixel. 0.001 is " \
+    "a "                                                                                                               \
+    "quarter of a percent in intensity, about half a code of 8 bits at its worst, usually a hundredth. --explain "     \
+    "tells what "                                                                                                      \
+    "was chosen, and why.\n\n"                                                                                         \
+    "--show base and --show detail give the layers as pictures: 10^(base - hi), and 0.18 x 10^(i - base)."
+
 static const char *const examples[] = {"hdr durand then png -o OUT.png IN.exr",
                                        "hdr durand --contrast 20 --sigma-s 40px then png -o OUT.png IN.exr",
                                        "hdr durand --show detail then png -o OUT.png IN.exr", NULL};
@@ -303,7 +353,7 @@ static const char *const examples[] = {"hdr durand then png -o OUT.png IN.exr",
 const hdr_verb hdr_verb_durand = {
     .about = {.name = "durand",
               .summary = "tone map by a bilateral filter that keeps detail",
-              .details = "",
+              .details = DETAILS,
               .examples = examples,
               .options = options,
               .kind = HDR_FILTER},
