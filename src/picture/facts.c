@@ -140,16 +140,16 @@ void hdr_taking_free(hdr_taking *taking) {
 
 hdr_status hdr_taking_begin(hdr_taking *taking, int height, hdr_error *err) {
     if (height > taking->rows) {
-        double *row_logs = hdr_grow(taking->row_logs, (size_t)height, sizeof *row_logs);
-        if (row_logs) taking->row_logs = row_logs;
-        double *shifted = hdr_grow(taking->row_shifted_logs, (size_t)height, sizeof *shifted);
-        if (shifted) taking->row_shifted_logs = shifted;
-        if (!row_logs || !shifted) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+        /* cleared pages are not there until they are written: rows that a header only claims take no memory */
+        free(taking->row_logs);
+        free(taking->row_shifted_logs);
+        taking->rows = 0;
+        taking->row_logs = hdr_alloc((size_t)height, sizeof *taking->row_logs);
+        taking->row_shifted_logs = hdr_alloc((size_t)height, sizeof *taking->row_shifted_logs);
+        if (!taking->row_logs || !taking->row_shifted_logs) return hdr_fail(err, HDR_INTERNAL, "out of memory");
         taking->rows = height;
     }
     taking->height = height;
-    for (int row = 0; row < height; row++)
-        taking->row_logs[row] = taking->row_shifted_logs[row] = 0;
     for (int t = 0; t < taking->threads; t++)
         taking->tallies[t] = empty_tally;
     for (int t = 0; t < taking->table_count; t++)
@@ -294,7 +294,7 @@ void hdr_taking_end(hdr_taking *taking) {
                 into[b] += atomic_load_explicit(&from[b], memory_order_relaxed);
         }
     long_sum logs = {0, 0}, shifted_logs = {0, 0}; /* rows from top to bottom */
-    for (int row = 0; row < taking->height; row++) {
+    for (int row = 0; taking->sweep == 0 && row < taking->height; row++) {
         add_term(&logs, taking->row_logs[row]);
         add_term(&shifted_logs, taking->row_shifted_logs[row]);
     }
