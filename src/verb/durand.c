@@ -186,7 +186,7 @@ static hdr_verdict plan(const void *params, const hdr_scene *scene, hdr_step *st
     step->own_weights = p->intensity == INTENSITY_DURAND;
     memcpy(step->luminance, durand_weights, sizeof durand_weights);
     /* logarithms are taken of what float holds: not of denormal numbers */
-    step->wide = facts->min_lit < 0x1p-120 || facts->max_luminance > 0x1p126;
+    step->wide = p->method == METHOD_EXACT || facts->min_lit < 0x1p-120 || facts->max_luminance > 0x1p126;
     snprintf(step->note, sizeof step->note, "I from %.9g to %.9g", facts->min_lit, facts->max_luminance);
     return HDR_RUN;
 }
@@ -276,7 +276,7 @@ static hdr_status surround(hdr_step *step, hdr_surroundings *with, hdr_error *er
     const hdr_facts *facts = &with->scene->facts;
     hdr_plane *from = with->luminance;
     int width = from->width, height = from->height;
-    bool wide = with->reference;
+    bool wide = with->reference || p->method == METHOD_EXACT;
     with->surround = (from->wide != NULL) == wide ? from : hdr_plane_new(width, height, wide, err);
     if (!with->surround) return HDR_INTERNAL;
     logarithms l = {.from = from, .to = with->surround, .least = facts->min_lit};
@@ -346,6 +346,16 @@ static hdr_status surround(hdr_step *step, hdr_surroundings *with, hdr_error *er
     "was chosen, and why.\n\n"                                                                                         \
     "--show base and --show detail give the layers as pictures: 10^(base - hi), and 0.18 x 10^(i - base)."
 
+/* A base that is wrong by E makes Ld wrong by (1 - c) E, and where hi and lo are by c E more, in powers of ten. A grid
+ * that is asked for is the finest where none keeps the tolerance. */
+static double bound(const void *params) {
+    const durand_params *p = params;
+    double finest = hdr_grid_bound(100, 100) * p->sigma_r.value;
+    double base = p->method == METHOD_EXACT ? 0 : p->tolerance.value > 1e-5 ? p->tolerance.value : 1e-5; /* in float */
+    if (p->method == METHOD_GRID && finest > base) base = finest;
+    return hdr_pow(10, 2 * base) - 1;
+}
+
 static const char *const examples[] = {"hdr durand then png -o OUT.png IN.exr",
                                        "hdr durand --contrast 20 --sigma-s 40px then png -o OUT.png IN.exr",
                                        "hdr durand --show detail then png -o OUT.png IN.exr", NULL};
@@ -362,4 +372,5 @@ const hdr_verb hdr_verb_durand = {
     .needs = needs,
     .plan = plan,
     .surround = surround,
+    .bound = bound,
 };

@@ -299,6 +299,12 @@ static hdr_status surround(hdr_step *step, hdr_surroundings *with, hdr_error *er
     "out; "                                                                                                            \
     "--explain tells how much."
 
+/* V is right to 6e-6, Y in its plane to 2^-24. */
+static double bound(const void *params) {
+    (void)params;
+    return 1e-5;
+}
+
 static const char *const examples[] = {"hdr reinhard then png -o OUT.png IN.exr",
                                        "hdr reinhard --key 0.36 --white 4 then png -o OUT.png IN.exr",
                                        "hdr reinhard --key 0.09 --saturation 0.7 then png -o OUT.png IN.exr",
@@ -318,4 +324,5 @@ const hdr_verb hdr_verb_reinhard = {
     .needs = needs,
     .plan = plan,
     .surround = surround,
+    .bound = bound,
 };

@@ -170,6 +170,8 @@ struct hdr_verb {
     /* Spatial filters: S of each pixel, for a step that plan() has given HDR_FORM_LOCAL, and what of its constants
      * depends on it. needs() has asked for the plane of luminance. The same bytes whatever the pool. */
     hdr_status (*surround)(hdr_step *step, hdr_surroundings *with, hdr_error *err);
+    /* The same: how far a value may be from that of --reference, as a part of it. */
+    double (*bound)(const void *params);
     const hdr_format *format; /* formats only */
 };
 
