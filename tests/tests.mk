@@ -56,6 +56,7 @@ check-built: all $(TEST_PROGRAMS) $(CXX_TEST_PROGRAMS) $(COMPARE_EXR) $(BUILD)/t
 bench: all $(BUILD)/tests/bench/scales
 	BUILD=$(BUILD) sh tests/bench/pipe.sh $(FILE)
 	BUILD=$(BUILD) sh tests/bench/reinhard.sh $(FILE)
+	BUILD=$(BUILD) sh tests/bench/durand.sh $(FILE)
 	$(BUILD)/tests/bench/scales
 
 include tests/oracle/oracle.mk
