@@ -39,12 +39,15 @@ hdr_status hdr_bilateral_exact_at(const hdr_bilateral *filter, double reach, con
 
 /* By a bilateral grid of cells of sigma_s / across and sigma_r / deep, into which pixels are sown, and from which they
  * are read, by cubic B-splines; the Gaussians in it are narrower by what these add. Narrow planes; the base takes the
- * plane's place. No base is wrong by more than hdr_grid_bound(across, deep) sigma_r. Chen, Paris and Durand, Real-time
+ * plane's place. No base is wrong by more than hdr_grid_bound. Chen, Paris and Durand, Real-time
  * Edge-Aware Image Processing with the Bilateral Grid, SIGGRAPH 2007; Paris and Durand, IJCV 81(1), 2009. */
 hdr_status hdr_bilateral_grid(const hdr_bilateral *filter, double across, double deep, hdr_plane *plane, hdr_pool *pool,
                               hdr_bilateral_report *report, hdr_error *err);
 
-double hdr_grid_bound(double across, double deep);
+double hdr_grid_bound(const hdr_bilateral *filter, const hdr_plane *plane, double across, double deep);
+
+/* A grid takes no more bytes than that. */
+#define HDR_GRID_BYTES 2e9
 
 /* The cheapest way to a tolerance, in the plane's unit, of grids of several sizes and of a sum that is cut where what
  * lies beyond does not matter; or of either kind, if only one may be taken. Where nothing keeps it, the most accurate.

@@ -350,7 +350,7 @@ static hdr_status surround(hdr_step *step, hdr_surroundings *with, hdr_error *er
  * that is asked for is the finest where none keeps the tolerance. */
 static double bound(const void *params) {
     const durand_params *p = params;
-    double finest = hdr_grid_bound(100, 100) * p->sigma_r.value;
+    double finest = 1e-3 * p->sigma_r.value; /* of the largest pictures */
     double base = p->method == METHOD_EXACT ? 0 : p->tolerance.value > 1e-5 ? p->tolerance.value : 1e-5; /* in float */
     if (p->method == METHOD_GRID && finest > base) base = finest;
     return hdr_pow(10, 2 * base) - 1;
