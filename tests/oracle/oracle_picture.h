@@ -279,7 +279,7 @@ static void oracle_adaptation(const long double from[2], oracle_matrix m) {
 
 /* From the file's primaries to Rec.709's. White is not adapted for the primaries of XYZ itself, nor where adapt is
  * false. */
-static void oracle_conversion(const oracle_picture *picture, bool adapt, oracle_matrix m) {
+static inline void oracle_conversion(const oracle_picture *picture, bool adapt, oracle_matrix m) {
     static const long double xyz[3][2] = {{1, 0}, {0, 1}, {0, 0}};
     oracle_matrix to_xyz, rec709, from_xyz, adaptation, adapted;
     oracle_rgb_to_xyz(&picture->primaries, to_xyz);
