@@ -64,7 +64,10 @@ typedef enum hdr_option_type {
     HDR_OPTION_DECIMAL, /* a decimal in [min,max] that is used exactly as it was typed (percentiles) */
     HDR_OPTION_CHOICE,  /* one of words */
     HDR_OPTION_SIZE,    /* bytes; K, M, G and T multiply by powers of 1024; or one of words */
-    HDR_OPTION_TEXT     /* any text, e.g. a file's name */
+    HDR_OPTION_TEXT,    /* any text, e.g. a file's name */
+    HDR_OPTION_FACTS    /* facts of a whole shot: the name of a file with what `hdr stats --json` printed, which is read
+                           at once; or the numbers themselves, which are what a pipe's head has, in this form:
+                           log_average=0.1,max_luminance=90,p1=0.01,p99=40 */
 } hdr_option_type;
 
 /* One option. Parsing, help, manual, completion and the pipe's head are all made from tables of these, each ended by an
@@ -222,7 +225,8 @@ typedef struct hdr_chain hdr_chain;
 hdr_chain *hdr_chain_new(hdr_error *err);
 void hdr_chain_free(hdr_chain *chain);
 
-/* Adds one clause: words[0] is the verb, the others are its options and common options, as on a command line. */
+/* Adds one clause: words[0] is the verb, the others are its options and common options, as on a command line. A file of
+ * facts that they name is read here: HDR_NO_INPUT, HDR_BAD_DATA. */
 hdr_status hdr_chain_add(hdr_chain *chain, const char *const words[], int count, hdr_error *err);
 
 /* Adds the clauses of a whole command line: VERB [OPTION...] [then VERB [OPTION...]]... [FILE...]. ":" stands for
@@ -297,6 +301,38 @@ typedef struct hdr_stats {
 /* Takes the facts. The chain may end in a program verb, which is left out; a format verb: HDR_USAGE. */
 hdr_status hdr_chain_stats(hdr_chain *chain, hdr_input *input, hdr_stats *stats, const hdr_listener *listener,
                            hdr_error *err);
+
+/* A survey: the facts of several pictures together, such as the frames of a shot. They are as exact as if it were one
+ * picture, and the memory that it takes does not grow with the number of pictures. It goes in rounds, in each of which
+ * every picture is given once:
+ *
+ *     hdr_survey *survey = hdr_survey_new(chain, &error);
+ *     do {
+ *         for (int i = 0; i < count && !error.status; i++) {
+ *             hdr_input *input = hdr_input_open(name[i], &error);
+ *             if (input) hdr_survey_take(survey, input, &stats, NULL, &error);
+ *             hdr_input_free(input);
+ *         }
+ *     } while (!error.status && hdr_survey_next(survey, &together, &error));
+ *     hdr_survey_free(survey);
+ */
+typedef struct hdr_survey hdr_survey;
+
+/* The chain is as for hdr_chain_stats, and must stay as it is until the survey is freed. */
+hdr_survey *hdr_survey_new(hdr_chain *chain, hdr_error *err);
+void hdr_survey_free(hdr_survey *survey);
+
+/* Takes what the round needs of a picture. In the first that is hdr_chain_stats, which fills stats (may be NULL); later
+ * ones leave stats alone, and have no notes: those were said in the first. An input may be kept from one round to the
+ * next, or be opened anew. Where it fails, other pictures may still be given, but there will be no facts of all. */
+hdr_status hdr_survey_take(hdr_survey *survey, hdr_input *input, hdr_stats *stats, const hdr_listener *listener,
+                           hdr_error *err);
+
+/* Ends a round. True: another is needed, of the same pictures, in any order. False: together is filled, but for
+ * picture, min and max, which only a single picture has; log_average is summed in the order of the first round; grey
+ * and opaque tell whether all are. Or it is not filled, and err tells why: a picture failed, or has changed from one
+ * round to the next. */
+bool hdr_survey_next(hdr_survey *survey, hdr_stats *together, hdr_error *err);
 
 /* What is read of the input, from its header alone, with the reading options (--part, --layer, --crop, ...) of a chain,
  * whose clauses do not matter, behind those of the head, if there is one. A chain of NULL has none. */

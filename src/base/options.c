@@ -276,6 +276,83 @@ uint64_t hdr_nearest_rank(hdr_decimal percent, uint64_t count) {
     return rank < 1 ? 1 : rank;
 }
 
+/* ---- Facts of a shot ---- */
+
+static const char *const shot_keys[] = {"log_average", "max_luminance", "p1", "p99"};
+enum { SHOT_KEYS = sizeof shot_keys / sizeof *shot_keys };
+
+/* The numbers in the order of their keys. */
+static void shot_numbers(const hdr_shot *shot, double number[SHOT_KEYS]) {
+    number[0] = shot->log_average;
+    number[1] = shot->max_luminance;
+    number[2] = shot->low;
+    number[3] = shot->high;
+}
+
+/* Percentiles are rounded to float32, so they may lie beyond the maximum by so much. */
+const char *hdr_shot_fault(const hdr_shot *shot) {
+    double number[SHOT_KEYS];
+    shot_numbers(shot, number);
+    double most = shot->max_luminance * (1 + 1e-6) + 0x1p-149;
+    for (int i = 0; i < SHOT_KEYS; i++) {
+        if (!isfinite(number[i]) || number[i] < 0) return "has a number that is not finite, or negative";
+        if ((number[i] > 0) != shot->lit) return "contradicts itself: either all its numbers are above 0, or all are 0";
+        if (shot->lit && (number[i] < 1e-250 || number[i] > 1e50)) return "has a number that no picture can have";
+    }
+    if (shot->log_average > most || shot->low > shot->high || shot->high > most)
+        return "contradicts itself: the percentiles ascend, and nothing is above the maximum";
+    return NULL;
+}
+
+void hdr_shot_print(const hdr_shot *shot, char text[HDR_SHOT_TEXT]) {
+    double number[SHOT_KEYS];
+    size_t used = 0;
+    shot_numbers(shot, number);
+    for (int i = 0; i < SHOT_KEYS; i++) {
+        char digits[40];
+        snprintf(digits, sizeof digits, "%.17g", number[i]);
+        char *comma = strchr(digits, ','); /* some locale's */
+        if (comma) *comma = '.';
+        used += (size_t)snprintf(text + used, HDR_SHOT_TEXT - used, "%s%s=%s", i ? "," : "", shot_keys[i], digits);
+    }
+}
+
+bool hdr_shot_is_text(const char *text) {
+    size_t length = strlen(shot_keys[0]);
+    return strncmp(text, shot_keys[0], length) == 0 && text[length] == '=';
+}
+
+/* "key=number" and what has to stand behind it. Returns the place behind that, or NULL. */
+static const char *take_named(const char *text, const char *key, char behind, double *number) {
+    size_t length = strlen(key);
+    if (strncmp(text, key, length) != 0 || text[length] != '=') return NULL;
+    const char *end = end_of_number(text + length + 1);
+    if (!end || *end != behind) return NULL;
+    *number = to_double(text + length + 1);
+    return end + 1;
+}
+
+static hdr_status parse_shot(const hdr_option *option, const char *text, hdr_shot *shot, hdr_error *err) {
+    double number[SHOT_KEYS];
+    const char *at = text;
+    for (int i = 0; at && i < SHOT_KEYS; i++)
+        at = take_named(at, shot_keys[i], i < SHOT_KEYS - 1 ? ',' : '\0', &number[i]);
+    if (!at) return refuse(option, err, text, "is not log_average=...,max_luminance=...,p1=...,p99=...");
+    hdr_shot all = {true, number[0] > 0, number[0], number[1], number[2], number[3]};
+    const char *fault = hdr_shot_fault(&all);
+    if (fault) return refuse(option, err, text, fault);
+    *shot = all;
+    return HDR_OK;
+}
+
+const hdr_shot *hdr_options_shot(const hdr_option *table, const void *params) {
+    for (const hdr_option *option = table; option && option->name; option++) {
+        const void *place = (const char *)params + option->offset;
+        if (option->type == HDR_OPTION_FACTS && ((const hdr_shot *)place)->given) return place;
+    }
+    return NULL;
+}
+
 /* ---- Setting ---- */
 
 /* Puts the value that text stands for at the option's place. A text itself is not copied. */
@@ -295,6 +372,8 @@ static hdr_status store(const hdr_option *option, const char *text, void *params
     case HDR_OPTION_TEXT:
         *(const char **)place = text;
         return HDR_OK;
+    case HDR_OPTION_FACTS:
+        return parse_shot(option, text, place, err);
     case HDR_OPTION_CHOICE: {
         int word = word_index(option, text);
         if (word < 0) return refuse(option, err, text, "is none of its words");
@@ -321,6 +400,9 @@ static void store_nothing(const hdr_option *option, void *params) {
         break;
     case HDR_OPTION_TEXT:
         *(const char **)place = NULL;
+        break;
+    case HDR_OPTION_FACTS:
+        *(hdr_shot *)place = (hdr_shot){.given = false};
         break;
     case HDR_OPTION_CHOICE:
         *(int *)place = 0;

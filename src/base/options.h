@@ -12,7 +12,8 @@
  *   HDR_OPTION_DECIMAL  hdr_decimal  a non-negative decimal, exactly as typed
  *   HDR_OPTION_CHOICE   int          index into words
  *   HDR_OPTION_SIZE     hdr_number   bytes; the suffixes K M G T are powers of 1024
- *   HDR_OPTION_TEXT     const char * as typed; belongs to the hdr_given that holds it */
+ *   HDR_OPTION_TEXT     const char * as typed; belongs to the hdr_given that holds it
+ *   HDR_OPTION_FACTS    hdr_shot     the numbers; a file's name is for the chain to resolve */
 typedef struct hdr_number {
     int word; /* index into the option's words, or -1: value holds a number */
     double value;
@@ -21,6 +22,14 @@ typedef struct hdr_decimal {
     uint64_t digits; /* the number is digits / 10^places; at most 15 digits */
     int places;
 } hdr_decimal;
+
+/* Numbers about a whole shot, which a verb takes instead of those of the picture at hand. Luminances of lit pixels. */
+typedef struct hdr_shot {
+    bool given;
+    bool lit; /* false: nothing is lit in any picture, and all numbers are 0 */
+    double log_average, max_luminance;
+    double low, high; /* percentiles 1 and 99, by nearest rank */
+} hdr_shot;
 
 /* The options that were given, as they were typed, in the order of the typing. */
 typedef struct hdr_given {
@@ -60,6 +69,17 @@ uint64_t hdr_nearest_rank(hdr_decimal percent, uint64_t count);
 /* 100 - P, exactly. */
 hdr_decimal hdr_decimal_complement(hdr_decimal percent);
 double hdr_decimal_value(hdr_decimal decimal);
+
+/* What is wrong with the numbers of a shot, e.g. "..., which is above the maximum"; NULL: nothing. */
+const char *hdr_shot_fault(const hdr_shot *shot);
+
+/* The numbers as text that an option takes and that gives the same doubles back, and whether a text is meant so. */
+#define HDR_SHOT_TEXT 200
+void hdr_shot_print(const hdr_shot *shot, char text[HDR_SHOT_TEXT]);
+bool hdr_shot_is_text(const char *text);
+
+/* The shot whose facts were given by an option of the table, or NULL. */
+const hdr_shot *hdr_options_shot(const hdr_option *table, const void *params);
 
 /* A decimal number at the beginning of text, which white space or the end of text must follow. Returns its end, or
  * NULL. What is beyond double becomes infinite. */

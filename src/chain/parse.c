@@ -1,5 +1,6 @@
 /* Words to chain. The same code reads a command line and the lines of a pipe's head. */
 #include "chain/chain.h"
+#include "chain/shot.h"
 
 #include <float.h>
 #include <sched.h>
@@ -249,6 +250,7 @@ const hdr_verb_about *hdr_chain_last(const hdr_chain *chain) {
 typedef struct words {
     const char *const *word;
     int count, next;
+    bool may_open; /* they are the user's own: a value may name a file that is read */
 } words;
 
 /* With the option's own help line. */
@@ -298,11 +300,24 @@ static hdr_status set_common(hdr_chain *chain, const hdr_option *option, const c
     return status;
 }
 
-/* Looks the option up in the clause's table, then among the common ones. */
+/* Facts of a shot by the name of their file: from here on they are the numbers that it holds. */
+static hdr_status set_facts(hdr_clause *clause, const hdr_option *option, const char *name, hdr_error *err) {
+    if (!*name || !strcmp(name, "-")) return refuse_option(option, "a file has to be named", err);
+    hdr_shot shot;
+    hdr_error own = {0};
+    char text[HDR_SHOT_TEXT];
+    hdr_status status = hdr_shot_load(name, &shot, &own);
+    if (status) return hdr_fail(err, status, "--%s: %s", option->name, own.message);
+    hdr_shot_print(&shot, text);
+    return hdr_option_set(option, text, clause->params, &clause->given, err);
+}
+
+/* own: the option of the clause's table, else that among the common ones. */
 static hdr_status set_option(hdr_chain *chain, hdr_clause *clause, const hdr_option *own, const hdr_option *common,
-                             const char *text, hdr_error *err) {
-    if (own) return hdr_option_set(own, text, clause->params, &clause->given, err);
-    return set_common(chain, common, text, err);
+                             const char *text, bool may_open, hdr_error *err) {
+    if (!own) return set_common(chain, common, text, err);
+    if (own->type == HDR_OPTION_FACTS && may_open && !hdr_shot_is_text(text)) return set_facts(clause, own, text, err);
+    return hdr_option_set(own, text, clause->params, &clause->given, err);
 }
 
 static hdr_status unknown_option(const hdr_clause *clause, const char *word, hdr_error *err) {
@@ -341,7 +356,7 @@ static hdr_status long_option(hdr_chain *chain, hdr_clause *clause, const char *
     } else if (equals) {
         return refuse_option(option, "it takes no value", err);
     }
-    return set_option(chain, clause, own, common, text, err);
+    return set_option(chain, clause, own, common, text, from->may_open, err);
 }
 
 /* -g 2.2, -g2.2, -qv. */
@@ -355,7 +370,7 @@ static hdr_status short_options(hdr_chain *chain, hdr_clause *clause, const char
         bool takes_value = option->type != HDR_OPTION_FLAG;
         hdr_status status =
             takes_value ? option_value(option, letter[1] ? letter + 1 : NULL, from, &text, err) : HDR_OK;
-        if (!status) status = set_option(chain, clause, own, common, text, err);
+        if (!status) status = set_option(chain, clause, own, common, text, from->may_open, err);
         if (status || takes_value) return status;
     }
     return HDR_OK;
@@ -390,8 +405,24 @@ static hdr_status open_clause(hdr_chain *chain, const char *name, hdr_clause **c
     return HDR_OK;
 }
 
+/* Facts of a shot that are given must be those that the clause asks for. */
+static hdr_status check_shot(const hdr_clause *clause, hdr_error *err) {
+    const hdr_shot *shot = hdr_options_shot(clause->verb->about.options, clause->params);
+    hdr_request request = {0};
+    hdr_facts facts = {0};
+    if (shot && clause->verb->needs) clause->verb->needs(clause->params, &request);
+    if (shot && !request.facts && !request.percentiles)
+        return hdr_fail(err, HDR_USAGE, "--facts has no meaning here: no facts are needed");
+    if (shot && !hdr_facts_of_shot(shot, &request, &facts))
+        return hdr_fail(err, HDR_USAGE,
+                        "--facts holds log-average, maximum and the percentiles 1 and 99 of luminance; "
+                        "with these options others are needed");
+    return HDR_OK;
+}
+
 static hdr_status close_clause(const hdr_clause *clause, hdr_error *err) {
-    return clause->verb->check ? clause->verb->check(clause->params, &clause->given, err) : HDR_OK;
+    hdr_status status = clause->verb->check ? clause->verb->check(clause->params, &clause->given, err) : HDR_OK;
+    return status ? status : check_shot(clause, err);
 }
 
 static bool is_then(const char *word) {
@@ -446,7 +477,7 @@ static hdr_status read_clause(hdr_chain *chain, words *from, allowed what, hdr_e
 }
 
 static hdr_status add_one(hdr_chain *chain, const char *const word[], int count, allowed what, hdr_error *err) {
-    words from = {word, count, 0};
+    words from = {word, count, 0, what != OWN_OPTIONS};
     if (count < 1) return hdr_fail(err, HDR_USAGE, "a clause begins with a verb");
     return read_clause(chain, &from, what, err);
 }
@@ -460,7 +491,7 @@ hdr_status hdr_chain_add(hdr_chain *chain, const char *const word[], int count, 
 }
 
 hdr_status hdr_chain_parse(hdr_chain *chain, int count, const char *const word[], hdr_error *err) {
-    words from = {word, count, 0};
+    words from = {word, count, 0, true};
     if (check_environment(err)) return HDR_USAGE;
     for (;;) {
         if (from.next >= from.count)
@@ -500,7 +531,7 @@ static hdr_status merge_reading(hdr_chain *chain, const hdr_options *line, hdr_e
 }
 
 hdr_status hdr_chain_add_reading(hdr_chain *chain, const char *const word[], int count, hdr_error *err) {
-    words from = {word, count, 0};
+    words from = {word, count, 0, false};
     hdr_chain *line = hdr_chain_new(err);
     hdr_status status = line ? HDR_OK : HDR_INTERNAL;
     while (!status && from.next < from.count)

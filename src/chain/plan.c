@@ -83,15 +83,38 @@ static hdr_status new_luminance(planning *p, bool wide, hdr_error *err) {
     return p->luminance ? HDR_OK : HDR_INTERNAL;
 }
 
-/* Facts that are at hand already, or a sweep for them. */
-static hdr_status provide_facts(planning *p, int number, const hdr_clause *clause, hdr_error *err) {
+static const hdr_shot *shot_of(const hdr_clause *clause) {
+    return hdr_options_shot(clause->verb->about.options, clause->params);
+}
+
+/* What the verb wants to know. */
+static hdr_request request_of(const hdr_clause *clause) {
     hdr_request request = {0};
     if (clause->verb->needs) clause->verb->needs(clause->params, &request);
+    return request;
+}
+
+/* A sweep for it alone. */
+static hdr_status provide_luminance(planning *p, const double *weights, bool wide, hdr_error *err) {
+    const hdr_request nothing_else = {.plane = true, .weights = weights};
+    hdr_facts facts;
+    hdr_status status = new_luminance(p, wide, err);
+    return status ? status : hdr_run_facts(p->run, &nothing_else, NULL, p->luminance, &facts, err);
+}
+
+/* Facts that are at hand already, or a sweep for them. */
+static hdr_status provide_facts(planning *p, int number, const hdr_clause *clause, hdr_error *err) {
+    hdr_request request = request_of(clause);
+    if (shot_of(clause)) {
+        hdr_say(p->run->listener, HDR_EXPLAIN, "clause %d (%s): facts of the whole shot, as given", number,
+                clause->verb->about.name);
+        return request.plane ? provide_luminance(p, request.weights, p->run->settings.reference, err) : HDR_OK;
+    }
     bool known = p->fresh && !(request.facts & ~p->facts.known) &&
                  !(request.facts & HDR_FACT_SHIFTED && request.shift != p->facts.shift);
     if (!request.percentiles && !request.plane && (!request.facts || known)) return HDR_OK;
     if (request.plane && new_luminance(p, p->run->settings.reference, err)) return HDR_INTERNAL;
-    hdr_status status = hdr_run_facts(p->run, &request, &p->facts, request.plane ? p->luminance : NULL, err);
+    hdr_status status = hdr_run_facts(p->run, &request, NULL, request.plane ? p->luminance : NULL, &p->facts, err);
     p->fresh = !status;
     if (!status)
         hdr_say(p->run->listener, HDR_EXPLAIN, "sweep %d: facts for clause %d (%s)", p->run->sweeps, number,
@@ -100,21 +123,15 @@ static hdr_status provide_facts(planning *p, int number, const hdr_clause *claus
 }
 
 /* S of each pixel, for a step that has a use for it. */
-static hdr_status provide_surround(planning *p, int number, const hdr_clause *clause, hdr_step *step, hdr_error *err) {
+static hdr_status provide_surround(planning *p, int number, const hdr_clause *clause, const hdr_facts *facts,
+                                   hdr_step *step, hdr_error *err) {
     hdr_run *run = p->run;
-    if (step->wide && !p->luminance->wide) {
-        hdr_request again = {0};
-        clause->verb->needs(clause->params, &again);
-        const hdr_request nothing_else = {.plane = true, .weights = again.weights};
-        hdr_facts facts;
-        hdr_status status = new_luminance(p, true, err);
-        if (!status) status = hdr_run_facts(run, &nothing_else, &facts, p->luminance, err);
-        if (status) return status;
-    }
+    const double *weights = request_of(clause).weights;
+    if (step->wide && !p->luminance->wide && provide_luminance(p, weights, true, err)) return err->status;
     hdr_plane **grown = hdr_grow(run->surrounds, (size_t)run->surround_count + 1, sizeof(hdr_plane *));
     if (!grown) return hdr_fail(err, HDR_INTERNAL, "out of memory");
     run->surrounds = grown;
-    hdr_scene scene = {.facts = p->facts, .state = p->state};
+    hdr_scene scene = {.facts = *facts, .state = p->state};
     hdr_surroundings with = {.params = clause->params,
                              .scene = &scene,
                              .luminance = p->luminance,
@@ -152,6 +169,11 @@ static hdr_status resolve(planning *p, int number, const hdr_clause *clause, hdr
     *facts = p->fresh ? p->facts : p->range;
     *step = (hdr_step){.verb = clause->verb, .clause = number, .saturation = 1};
     hdr_scene scene = {.facts = *facts, .state = p->state};
+    hdr_request request = request_of(clause);
+    const hdr_shot *shot = shot_of(clause);
+    if (shot && !hdr_facts_of_shot(shot, &request, &scene.facts))
+        return hdr_fail(err, HDR_INTERNAL, "clause %d (%s): it was not checked what --facts holds", number,
+                        clause->verb->about.name);
     *verdict = clause->verb->plan(clause->params, &scene, step, err);
     if (*verdict != HDR_REFUSE) return HDR_OK;
     char prefix[100];
@@ -181,7 +203,7 @@ static hdr_status plan_clause(planning *p, int number, const hdr_clause *clause,
         hdr_say(run->listener, HDR_EXPLAIN, "clause %d (%s) skipped: %s", number, name, step.note);
     } else {
         hdr_say(run->listener, HDR_EXPLAIN, "clause %d (%s): %s", number, name, step.note);
-        if (step.form == HDR_FORM_LOCAL) status = provide_surround(p, number, clause, &step, err);
+        if (step.form == HDR_FORM_LOCAL) status = provide_surround(p, number, clause, &facts, &step, err);
         if (!status) status = append_step(p, &step, err);
         carry_range(p, &step, &facts);
     }
@@ -193,9 +215,8 @@ static hdr_status plan_clause(planning *p, int number, const hdr_clause *clause,
 /* True if some clause asks for facts, so that there will be more than one sweep. */
 static bool wants_facts(const hdr_chain *chain) {
     for (int i = 0; i < chain->count; i++) {
-        hdr_request request = {0};
-        if (chain->clauses[i].verb->needs) chain->clauses[i].verb->needs(chain->clauses[i].params, &request);
-        if (request.facts || request.percentiles || request.plane) return true;
+        hdr_request request = request_of(&chain->clauses[i]);
+        if (request.plane || ((request.facts || request.percentiles) && !shot_of(&chain->clauses[i]))) return true;
     }
     return false;
 }
@@ -404,57 +425,19 @@ hdr_status hdr_chain_run(hdr_chain *chain, hdr_input *input, hdr_output *output,
     return status ? status : run_chain(chain, input, listener, finish_writing, output, err);
 }
 
-static const char *const stats_percents[HDR_PERCENTILES] = {"0.1", "1", "5", "25", "50", "75", "95", "99", "99.9"};
+typedef struct user {
+    hdr_use use;
+    void *context;
+} user;
 
-static hdr_status finish_stats(planning *p, void *context, hdr_error *err) {
-    hdr_stats *stats = context;
-    hdr_request request = {.facts = HDR_FACT_COMPONENTS | HDR_FACT_LUMINANCE | HDR_FACT_CHANNELS,
-                           .percentiles = HDR_PERCENTILES};
-    for (int i = 0; i < HDR_PERCENTILES; i++) {
-        stats->percentile_percent[i] = strtod(stats_percents[i], NULL);
-        request.percentile[i].of = HDR_OF_LIT;
-        const char *dot = strchr(stats_percents[i], '.');
-        request.percentile[i].percent =
-            (hdr_decimal){(uint64_t)(stats->percentile_percent[i] * (dot ? 10 : 1) + 0.5), dot ? 1 : 0};
-    }
-    hdr_facts facts;
-    hdr_status status = hdr_run_facts(p->run, &request, &facts, NULL, err);
-    if (status) return status;
-    const hdr_raw *raw = &p->run->raw;
-    stats->picture = p->run->source->picture;
-    if (p->converted) {
-        stats->picture.chromaticities = hdr_rec709;
-        stats->picture.has_chromaticities = stats->picture.has_neutral = false;
-    }
-    stats->picture.present[3] = stats->picture.has_alpha;
-    if (p->run->spread) stats->picture.present[1] = stats->picture.present[2] = true;
-    stats->pixels = facts.pixels;
-    stats->lit = facts.lit;
-    stats->nan = raw->nan;
-    stats->positive_infinity = raw->positive_infinity;
-    stats->negative_infinity = raw->negative_infinity;
-    stats->negative = facts.negative;
-    stats->unlit_colour = facts.unlit_colour;
-    memcpy(stats->min, facts.channel_min, sizeof stats->min);
-    memcpy(stats->max, facts.channel_max, sizeof stats->max);
-    stats->min_luminance = facts.min_luminance;
-    stats->max_luminance = facts.max_luminance;
-    stats->min_lit = facts.min_lit;
-    stats->log_average = facts.log_average;
-    memcpy(stats->percentile, facts.percentile, sizeof stats->percentile);
-    stats->grey = facts.coloured == 0;
-    stats->opaque = raw->opaque;
-    snprintf(stats->picture.state, sizeof stats->picture.state, "%s", p->state);
-    return HDR_OK;
+static hdr_status finish_using(planning *p, void *context, hdr_error *err) {
+    const user *u = context;
+    return u->use(p->run, p->state, p->converted, u->context, err);
 }
 
-hdr_status hdr_chain_stats(hdr_chain *chain, hdr_input *input, hdr_stats *stats, const hdr_listener *listener,
-                           hdr_error *err) {
-    const hdr_verb_about *last = hdr_chain_last(chain);
-    if (last && last->kind == HDR_FORMAT)
-        return hdr_fail(err, HDR_USAGE, "no facts are taken of a file that is written");
-    *stats = (hdr_stats){0};
-    return run_chain(chain, input, listener, finish_stats, stats, err);
+hdr_status hdr_chain_use(hdr_chain *chain, hdr_input *input, const hdr_listener *listener, hdr_use use, void *context,
+                         hdr_error *err) {
+    return run_chain(chain, input, listener, finish_using, &(user){use, context}, err);
 }
 
 hdr_status hdr_input_picture(hdr_input *input, const hdr_chain *chain, hdr_picture *picture, hdr_error *err) {

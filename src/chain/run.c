@@ -429,11 +429,9 @@ typedef struct facts_sweep {
 } facts_sweep;
 
 static hdr_status facts_before(void *context, int *items, hdr_error *err) {
-    (void)err;
     facts_sweep *sweep = context;
-    hdr_taking_restart(sweep->taking);
     *items = sweep->run->source->blocks;
-    return HDR_OK;
+    return hdr_taking_begin(sweep->taking, (int)hdr_window_height(&sweep->run->source->picture.data), err);
 }
 
 /* A pixel that is not lit has 0 there. */
@@ -485,18 +483,33 @@ static bool are_float_components(const hdr_run *run) {
     return stored;
 }
 
-hdr_status hdr_run_facts(hdr_run *run, const hdr_request *request, hdr_facts *facts, hdr_plane *plane, hdr_error *err) {
+static hdr_status take_facts(facts_sweep *sweep, hdr_error *err) {
+    hdr_status status =
+        hdr_run_sweep(sweep->run, &(hdr_sweep){.before = facts_before, .job = facts_job, .context = sweep}, err);
+    if (!status) hdr_taking_end(sweep->taking);
+    return status;
+}
+
+hdr_status hdr_run_take(hdr_run *run, hdr_taking *taking, hdr_error *err) {
+    return take_facts(&(facts_sweep){.run = run, .taking = taking, .whole = true}, err);
+}
+
+hdr_status hdr_run_facts(hdr_run *run, const hdr_request *request, hdr_taking *together, hdr_plane *plane,
+                         hdr_facts *facts, hdr_error *err) {
     if (request->percentiles) hdr_run_keep(run);
     facts_sweep sweep = {
         .run = run, .plane = plane, .intensity = request->weights, .whole = request->facts & HDR_FACT_CHANNELS};
     sweep.reduce = run->raw.certain && !sweep.whole;
-    int height = (int)hdr_window_height(&run->source->picture.data);
-    sweep.taking = hdr_taking_new(request, height, run->thread_count, are_float_components(run), err);
+    sweep.taking = hdr_taking_new(request, run->thread_count, are_float_components(run), err);
     if (!sweep.taking) return err->status;
     hdr_status status;
     do {
-        status = hdr_run_sweep(run, &(hdr_sweep){.before = facts_before, .job = facts_job, .context = &sweep}, err);
+        status = take_facts(&sweep, err);
+        if (!status && together) hdr_taking_join(together, sweep.taking);
+        together = NULL; /* the first sweep is what it is to have */
     } while (!status && hdr_taking_next(sweep.taking, facts));
+    if (!status && hdr_taking_contradicted(sweep.taking))
+        status = hdr_fail(err, HDR_BAD_DATA, "it has changed while it was read");
     hdr_taking_free(sweep.taking);
     return status;
 }

@@ -94,9 +94,14 @@ typedef struct hdr_sweep {
  * certain. */
 hdr_status hdr_run_sweep(hdr_run *run, const hdr_sweep *sweep, hdr_error *err);
 
-/* The facts of what the steps make of the picture. plane: filled where the request asks for it; of the data window's
- * size. */
-hdr_status hdr_run_facts(hdr_run *run, const hdr_request *request, hdr_facts *facts, hdr_plane *plane, hdr_error *err);
+/* The facts of what the steps make of the picture. together: a taking of several pictures with the same request, in its
+ * first sweep, which this one is added to; NULL: none. plane: filled where the request asks for it; of the data
+ * window's size. */
+hdr_status hdr_run_facts(hdr_run *run, const hdr_request *request, hdr_taking *together, hdr_plane *plane,
+                         hdr_facts *facts, hdr_error *err);
+
+/* The picture's part of the sweep that such a taking has under way. */
+hdr_status hdr_run_take(hdr_run *run, hdr_taking *taking, hdr_error *err);
 
 /* Of a clock that only goes forward. */
 double hdr_milliseconds(void);
@@ -104,6 +109,16 @@ double hdr_milliseconds(void);
 /* Looks at one block in the middle to assume what is likely. Where it does not matter, a picture is not taken for grey.
  */
 hdr_status hdr_run_guess(hdr_run *run, bool grey_matters, hdr_error *err);
+
+/* ---- plan.c ---- */
+
+/* What is done with a chain of filters once it is planned. state: what the pixels are; converted: the primaries are
+ * Rec.709's now. */
+typedef hdr_status (*hdr_use)(hdr_run *run, const char *state, bool converted, void *context, hdr_error *err);
+
+/* Plans the chain, behind the input's head, and calls `use`. */
+hdr_status hdr_chain_use(hdr_chain *chain, hdr_input *input, const hdr_listener *listener, hdr_use use, void *context,
+                         hdr_error *err);
 
 /* ---- alpha.c ---- */
 

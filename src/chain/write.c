@@ -352,7 +352,7 @@ static hdr_status look_ahead(writing *w, bool *partial, hdr_error *err) {
     hdr_run_keep(run);
     hdr_request nothing = {0};
     hdr_facts facts;
-    return hdr_run_facts(run, &nothing, &facts, NULL, err);
+    return hdr_run_facts(run, &nothing, NULL, NULL, &facts, err);
 }
 
 /* Light without cover, such as a flame's, is what EXR can hold and PNG cannot: said once, with the way out. */

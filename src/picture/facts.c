@@ -30,15 +30,27 @@ typedef struct slot {
     uint64_t prefix; /* the higher digits */
 } slot;
 
+/* A sum with the low parts that were lost carried along (Neumaier 1974). */
+typedef struct long_sum {
+    double sum, lost;
+} long_sum;
+
 struct hdr_taking {
     hdr_request request;
-    int height, threads, sweep;
+    int threads, sweep;
     int digits[HDR_POPULATIONS]; /* of its keys that can differ */
-    double *row_logs;            /* sum of ln Y of each row's lit pixels */
-    double *row_shifted_logs;    /* sum of ln(Y + shift) of each row's pixels */
+    /* of the picture at hand */
+    int height, rows;
+    double *row_logs;         /* sum of ln Y of each row's lit pixels; room for `rows` */
+    double *row_shifted_logs; /* sum of ln(Y + shift) of each row's pixels; the same */
     tally *tallies;
     counter *tables; /* for each table: for each percentile of the request, as many as there can be slots: BUCKETS */
     int table_count;
+    /* of all pictures that have been taken in this sweep */
+    tally all;
+    long_sum logs, shifted_logs;
+    uint64_t *counted; /* a table */
+    bool contradicted; /* a sweep met other pixels than the one before */
     slot slots[HDR_MAX_PERCENTILES];
     int slot_count;
     int percentile_slot[HDR_MAX_PERCENTILES]; /* in which slot a percentile of the request is looked for */
@@ -47,8 +59,18 @@ struct hdr_taking {
     hdr_facts facts;
 };
 
+static const tally empty_tally = {
+    .components = HDR_RANGE_EMPTY,
+    .luminance = HDR_RANGE_EMPTY,
+    .channel = {HDR_RANGE_EMPTY, HDR_RANGE_EMPTY, HDR_RANGE_EMPTY, HDR_RANGE_EMPTY},
+};
+
 static counter *histogram_of(const hdr_taking *taking, int table, int slot) {
     return taking->tables + ((size_t)table * (size_t)taking->request.percentiles + (size_t)slot) * BUCKETS;
+}
+
+static uint64_t *counted_of(const hdr_taking *taking, int slot) {
+    return taking->counted + (size_t)slot * BUCKETS;
 }
 
 /* Order does not matter to a count. Alone, a thread needs no locked addition. */
@@ -76,23 +98,29 @@ static bool assign_slots(hdr_taking *taking) {
     return taking->slot_count > 0;
 }
 
-hdr_taking *hdr_taking_new(const hdr_request *request, int height, int threads, bool float_components, hdr_error *err) {
+/* A sweep begins: nothing is taken yet. */
+static void clear_sweep(hdr_taking *taking) {
+    taking->all = empty_tally;
+    taking->logs = taking->shifted_logs = (long_sum){0, 0};
+    for (int s = 0; s < taking->slot_count; s++)
+        memset(counted_of(taking, s), 0, BUCKETS * sizeof *taking->counted);
+}
+
+hdr_taking *hdr_taking_new(const hdr_request *request, int threads, bool float_components, hdr_error *err) {
     hdr_taking *taking = hdr_alloc(1, sizeof *taking);
     if (!taking) goto out;
     taking->request = *request;
-    taking->height = height;
     taking->threads = threads;
     for (int p = 0; p < HDR_POPULATIONS; p++)
         taking->digits[p] = p == HDR_OF_COMPONENTS && !float_components ? 4 : 2;
     assign_slots(taking);
-    taking->row_logs = hdr_alloc((size_t)height, sizeof *taking->row_logs);
-    taking->row_shifted_logs = hdr_alloc((size_t)height, sizeof *taking->row_shifted_logs);
     taking->tallies = hdr_alloc((size_t)threads, sizeof *taking->tallies);
-    if (!taking->row_logs || !taking->row_shifted_logs || !taking->tallies) goto out;
+    taking->counted = hdr_alloc((size_t)request->percentiles * BUCKETS, sizeof *taking->counted);
+    if (!taking->tallies || !taking->counted) goto out;
     taking->table_count = threads < MOST_TABLES ? threads : MOST_TABLES;
     taking->tables = hdr_alloc((size_t)taking->table_count * (size_t)request->percentiles * BUCKETS, sizeof(counter));
     if (!taking->tables) goto out;
-    hdr_taking_restart(taking);
+    clear_sweep(taking);
     return taking;
 out:
     hdr_taking_free(taking);
@@ -103,23 +131,31 @@ out:
 void hdr_taking_free(hdr_taking *taking) {
     if (!taking) return;
     free(taking->tables);
+    free(taking->counted);
     free(taking->tallies);
     free(taking->row_logs);
     free(taking->row_shifted_logs);
     free(taking);
 }
 
-void hdr_taking_restart(hdr_taking *taking) {
-    for (int t = 0; t < taking->threads; t++) {
-        tally *mine = &taking->tallies[t];
-        tally empty = {.components = HDR_RANGE_EMPTY, .luminance = HDR_RANGE_EMPTY};
-        for (int c = 0; c < 4; c++)
-            empty.channel[c] = empty.components;
-        *mine = empty;
+hdr_status hdr_taking_begin(hdr_taking *taking, int height, hdr_error *err) {
+    if (height > taking->rows) {
+        /* cleared pages are not there until they are written: rows that a header only claims take no memory */
+        free(taking->row_logs);
+        free(taking->row_shifted_logs);
+        taking->rows = 0;
+        taking->row_logs = hdr_alloc((size_t)height, sizeof *taking->row_logs);
+        taking->row_shifted_logs = hdr_alloc((size_t)height, sizeof *taking->row_shifted_logs);
+        if (!taking->row_logs || !taking->row_shifted_logs) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+        taking->rows = height;
     }
+    taking->height = height;
+    for (int t = 0; t < taking->threads; t++)
+        taking->tallies[t] = empty_tally;
     for (int t = 0; t < taking->table_count; t++)
         for (int s = 0; s < taking->slot_count; s++)
             memset(histogram_of(taking, t, s), 0, BUCKETS * sizeof(counter));
+    return HDR_OK;
 }
 
 /* ---- A strip ---- */
@@ -217,7 +253,7 @@ void hdr_taking_row_end(hdr_taking *taking, int thread, int row) {
     memset(mine->shifted_lanes, 0, sizeof mine->shifted_lanes);
 }
 
-/* ---- After a sweep ---- */
+/* ---- After a picture ---- */
 
 static void merge_range(hdr_range *into, const hdr_range *from) {
     into->min = fmin(into->min, from->min);
@@ -225,50 +261,64 @@ static void merge_range(hdr_range *into, const hdr_range *from) {
     into->min_positive = fmin(into->min_positive, from->min_positive);
 }
 
-/* All tallies into the first. */
-static void merge_tallies(hdr_taking *taking) {
-    tally *all = &taking->tallies[0];
-    for (int t = 1; t < taking->threads; t++) {
-        const tally *mine = &taking->tallies[t];
-        merge_range(&all->components, &mine->components);
-        merge_range(&all->luminance, &mine->luminance);
-        for (int c = 0; c < 4; c++)
-            merge_range(&all->channel[c], &mine->channel[c]);
-        all->pixels += mine->pixels;
-        all->lit += mine->lit;
-        all->negative += mine->negative;
-        all->unlit_colour += mine->unlit_colour;
-        all->coloured += mine->coloured;
-    }
+static void merge_tally(tally *into, const tally *from) {
+    merge_range(&into->components, &from->components);
+    merge_range(&into->luminance, &from->luminance);
+    for (int c = 0; c < 4; c++)
+        merge_range(&into->channel[c], &from->channel[c]);
+    into->pixels += from->pixels;
+    into->lit += from->lit;
+    into->negative += from->negative;
+    into->unlit_colour += from->unlit_colour;
+    into->coloured += from->coloured;
 }
 
-/* All tables into the first. */
-static void merge_tables(hdr_taking *taking) {
-    for (int t = 1; t < taking->table_count; t++)
-        for (int s = 0; s < taking->slot_count; s++) {
-            counter *into = histogram_of(taking, 0, s), *from = histogram_of(taking, t, s);
-            for (int b = 0; b < BUCKETS; b++)
-                into[b] += from[b];
-        }
+static void add_term(long_sum *to, double term) {
+    double next = to->sum + term;
+    to->lost += fabs(to->sum) >= fabs(term) ? (to->sum - next) + term : (term - next) + to->sum;
+    to->sum = next;
 }
+
+static double total_of(const long_sum *sum) {
+    return sum->sum + sum->lost;
+}
+
+void hdr_taking_end(hdr_taking *taking) {
+    for (int t = 0; t < taking->threads; t++)
+        merge_tally(&taking->all, &taking->tallies[t]);
+    for (int t = 0; t < taking->table_count; t++)
+        for (int s = 0; s < taking->slot_count; s++) {
+            const counter *from = histogram_of(taking, t, s);
+            uint64_t *into = counted_of(taking, s);
+            for (int b = 0; b < BUCKETS; b++)
+                into[b] += atomic_load_explicit(&from[b], memory_order_relaxed);
+        }
+    long_sum logs = {0, 0}, shifted_logs = {0, 0}; /* rows from top to bottom */
+    for (int row = 0; taking->sweep == 0 && row < taking->height; row++) {
+        add_term(&logs, taking->row_logs[row]);
+        add_term(&shifted_logs, taking->row_shifted_logs[row]);
+    }
+    add_term(&taking->logs, total_of(&logs));
+    add_term(&taking->shifted_logs, total_of(&shifted_logs));
+}
+
+void hdr_taking_join(hdr_taking *taking, const hdr_taking *other) {
+    merge_tally(&taking->all, &other->all);
+    add_term(&taking->logs, total_of(&other->logs));
+    add_term(&taking->shifted_logs, total_of(&other->shifted_logs));
+    for (int s = 0; s < taking->slot_count; s++)
+        for (int b = 0; b < BUCKETS; b++)
+            counted_of(taking, s)[b] += counted_of(other, s)[b];
+}
+
+/* ---- After a sweep ---- */
 
 static double finite_or_0(double value) {
     return isfinite(value) ? value : 0;
 }
 
-/* Rows from top to bottom, with the lost low parts carried along (Neumaier 1974). */
-static double sum_rows(const double *terms, int height) {
-    double sum = 0, lost = 0;
-    for (int row = 0; row < height; row++) {
-        double term = terms[row], next = sum + term;
-        lost += fabs(sum) >= fabs(term) ? (sum - next) + term : (term - next) + sum;
-        sum = next;
-    }
-    return sum + lost;
-}
-
 static void fill_facts(hdr_taking *taking) {
-    const tally *all = &taking->tallies[0];
+    const tally *all = &taking->all;
     hdr_facts *facts = &taking->facts;
     facts->known = taking->request.facts;
     facts->pixels = all->pixels;
@@ -286,14 +336,13 @@ static void fill_facts(hdr_taking *taking) {
     facts->negative = all->negative;
     facts->unlit_colour = all->unlit_colour;
     facts->coloured = all->coloured;
-    facts->log_average = all->lit ? hdr_exp(sum_rows(taking->row_logs, taking->height) / (double)all->lit) : 0;
+    facts->log_average = all->lit ? hdr_exp(total_of(&taking->logs) / (double)all->lit) : 0;
     facts->shift = taking->request.shift;
-    facts->shifted_average =
-        all->pixels ? hdr_exp(sum_rows(taking->row_shifted_logs, taking->height) / (double)all->pixels) : 0;
+    facts->shifted_average = all->pixels ? hdr_exp(total_of(&taking->shifted_logs) / (double)all->pixels) : 0;
 }
 
 /* The bucket in which the value of a rank lies; `below` becomes the number of values in lower buckets. */
-static uint32_t bucket_of_rank(const counter *histogram, uint64_t rank, uint64_t *below) {
+static uint32_t bucket_of_rank(const uint64_t *histogram, uint64_t rank, uint64_t *below) {
     uint64_t seen = 0;
     for (uint32_t b = 0; b < BUCKETS; b++) {
         if (seen + histogram[b] >= rank) {
@@ -306,7 +355,7 @@ static uint32_t bucket_of_rank(const counter *histogram, uint64_t rank, uint64_t
     return BUCKETS - 1;
 }
 
-static uint64_t histogram_size(const counter *histogram) {
+static uint64_t histogram_size(const uint64_t *histogram) {
     uint64_t size = 0;
     for (int b = 0; b < BUCKETS; b++)
         size += histogram[b];
@@ -318,10 +367,13 @@ static void find_digits(hdr_taking *taking) {
     for (int i = 0; i < taking->request.percentiles; i++) {
         hdr_population of = taking->request.percentile[i].of;
         if (taking->sweep >= taking->digits[of]) continue;
-        const counter *histogram = histogram_of(taking, 0, taking->percentile_slot[i]);
+        const uint64_t *histogram = counted_of(taking, taking->percentile_slot[i]);
+        uint64_t size = histogram_size(histogram);
         if (taking->sweep == 0) {
-            uint64_t size = histogram_size(histogram);
             taking->rank[i] = size ? hdr_nearest_rank(taking->request.percentile[i].percent, size) : 0;
+        } else if (taking->rank[i] > size) {
+            taking->contradicted = true;
+            continue;
         }
         uint64_t below = 0;
         taking->prefix[i] = taking->prefix[i] << 16 | bucket_of_rank(histogram, taking->rank[i], &below);
@@ -332,15 +384,35 @@ static void find_digits(hdr_taking *taking) {
 }
 
 bool hdr_taking_next(hdr_taking *taking, hdr_facts *facts) {
-    merge_tallies(taking);
-    merge_tables(taking);
     if (taking->sweep == 0) fill_facts(taking);
+    taking->contradicted |= taking->all.pixels != taking->facts.pixels;
     find_digits(taking);
     taking->sweep++;
     if (assign_slots(taking)) {
-        hdr_taking_restart(taking);
+        clear_sweep(taking);
         return true;
     }
     *facts = taking->facts;
     return false;
+}
+
+bool hdr_taking_contradicted(const hdr_taking *taking) {
+    return taking->contradicted;
+}
+
+/* ---- Facts of a shot ---- */
+
+bool hdr_facts_of_shot(const hdr_shot *shot, const hdr_request *request, hdr_facts *facts) {
+    if (request->facts & ~(unsigned)HDR_FACT_LUMINANCE) return false;
+    for (int i = 0; i < request->percentiles; i++) {
+        double percent = hdr_decimal_value(request->percentile[i].percent);
+        if (request->percentile[i].of != HDR_OF_LIT || (percent != 1 && percent != 99)) return false;
+        facts->percentile[i] = percent == 1 ? shot->low : shot->high;
+    }
+    facts->known |= HDR_FACT_LUMINANCE;
+    facts->lit = shot->lit;
+    facts->log_average = shot->log_average;
+    facts->max_luminance = shot->max_luminance;
+    facts->min_luminance = facts->min_lit = 0;
+    return true;
 }

@@ -50,13 +50,15 @@ typedef struct hdr_facts {
 } hdr_facts;
 
 /* A taking of facts: one sweep over all rows of the data window; two where percentiles are asked for, four for those of
- * components, unless all components are float32 values (float_components). */
+ * components, unless all components are float32 values (float_components). It may span several pictures: each sweep
+ * then goes over every one of them, and the facts are of all together. */
 typedef struct hdr_taking hdr_taking;
-hdr_taking *hdr_taking_new(const hdr_request *request, int height, int threads, bool float_components, hdr_error *err);
+hdr_taking *hdr_taking_new(const hdr_request *request, int threads, bool float_components, hdr_error *err);
 void hdr_taking_free(hdr_taking *taking);
 
-/* Forgets what the sweep under way has taken: it starts again. */
-void hdr_taking_restart(hdr_taking *taking);
+/* A picture's turn in the sweep under way; it has that many rows. When its part of the sweep is broken off and made
+ * again, this comes again: what was taken of it is forgotten, and of no other. */
+hdr_status hdr_taking_begin(hdr_taking *taking, int height, hdr_error *err);
 
 /* A strip of a row: its pixels after all steps before the clause. The strips of a row come from left to right on one
  * thread; all but the last have a multiple of 8 pixels. y: luminance. alpha may be NULL; planes 1 or 3. */
@@ -64,7 +66,22 @@ void hdr_taking_strip(hdr_taking *taking, int thread, const double *const c[3], 
                       const double *alpha, size_t count);
 void hdr_taking_row_end(hdr_taking *taking, int thread, int row);
 
+/* All rows of the picture have been taken in this sweep. */
+void hdr_taking_end(hdr_taking *taking);
+
+/* Adds what another taking with the same request has found in its first sweep, before that goes on to the next, to the
+ * first sweep of this one: the picture need not be swept over for both. Not for percentiles of components. */
+void hdr_taking_join(hdr_taking *taking, const hdr_taking *other);
+
 /* After each sweep. True: another is needed. Then false, and the facts are complete. */
 bool hdr_taking_next(hdr_taking *taking, hdr_facts *facts);
+
+/* Whether a sweep has met other pixels than the one before, so that the facts are worth nothing: a file has changed
+ * meanwhile. It may go unnoticed. */
+bool hdr_taking_contradicted(const hdr_taking *taking);
+
+/* Puts the numbers of a shot in place of those of a picture. min_luminance and min_lit, which it does not have, become
+ * 0. False: the request is for others than it has. */
+bool hdr_facts_of_shot(const hdr_shot *shot, const hdr_request *request, hdr_facts *facts);
 
 #endif

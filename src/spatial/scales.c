@@ -86,12 +86,19 @@ static hdr_status make_full_weights(gaussian *g, double sigma, double ratio, hdr
     return HDR_OK;
 }
 
+static double largest_of(const search *s) {
+    double largest = 0;
+    for (size_t i = 0; i < (size_t)s->bands * (size_t)s->pieces; i++)
+        largest = fmax(largest, (double)s->high[i]);
+    return largest;
+}
+
 /* What lies beyond a reach weighs, with the largest number there is, no more than this many units. */
 #define REST 1e-8
 
 static hdr_status make_gaussians(search *s, hdr_error *err) {
     const hdr_scales *scales = s->scales;
-    double ratio = scales->largest / scales->unit, rest = REST / (2 * (ratio > 1 ? ratio : 1));
+    double ratio = largest_of(s) / scales->unit, rest = REST / (2 * (ratio > 1 ? ratio : 1));
     double *before = NULL;
     hdr_status status = HDR_OK;
     for (int i = 0; i < GAUSSIANS && status == HDR_OK; i++) {
@@ -430,13 +437,12 @@ hdr_status hdr_scales_surround(const hdr_scales *scales, const hdr_plane *plane,
     search s = {.scales = scales, .in = plane, .out = surround, .choice = choice, .threads = hdr_pool_threads(pool)};
     s.pieces = (plane->width + HDR_PIECE - 1) / HDR_PIECE;
     s.bands = (plane->height + BAND - 1) / BAND;
-    hdr_status status = make_gaussians(&s, err);
-    if (status == HDR_OK) {
-        s.low = hdr_alloc((size_t)s.bands * (size_t)s.pieces, sizeof *s.low);
-        s.high = hdr_alloc((size_t)s.bands * (size_t)s.pieces, sizeof *s.high);
-        if (!s.low || !s.high || !make_workers(&s)) status = hdr_fail(err, HDR_INTERNAL, "out of memory");
-    }
+    s.low = hdr_alloc((size_t)s.bands * (size_t)s.pieces, sizeof *s.low);
+    s.high = hdr_alloc((size_t)s.bands * (size_t)s.pieces, sizeof *s.high);
+    hdr_status status = s.low && s.high ? HDR_OK : hdr_fail(err, HDR_INTERNAL, "out of memory");
     if (status == HDR_OK) status = hdr_pool_run(pool, s.bands, find_ranges, &s, err);
+    if (status == HDR_OK) status = make_gaussians(&s, err);
+    if (status == HDR_OK && !make_workers(&s)) status = hdr_fail(err, HDR_INTERNAL, "out of memory");
     if (status == HDR_OK) status = hdr_pool_run(pool, s.bands, search_band, &s, err);
     if (status == HDR_OK) merge_reports(&s, report);
     free_search(&s);

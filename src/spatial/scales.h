@@ -9,17 +9,16 @@
 
 enum { HDR_SCALES = 8 }; /* that are tested: each against the next, so that there are nine Gaussians */
 
-/* V_i is the plane convolved with the Gaussian of sigma[i] (integrated over each pixel, normalised, the border
- * mirrored). The surround of a pixel is V_m there, m being the first i with
- *     |V_i - V_(i+1)| > epsilon (offset[i] + V_i),
- * or the last test's i where there is none: so that the last test, and the last Gaussian, never matter. */
+/* V_i is the plane, in which nothing is below 0, convolved with the Gaussian of sigma[i] (integrated over each pixel,
+ * normalised, the border mirrored). The surround of a pixel is V_m there, m being the first i with |V_i - V_(i+1)| >
+ * epsilon (offset[i] + V_i), or the last test's i where there is none: so that the last test, and the last Gaussian,
+ * never matter. */
 typedef struct hdr_scales {
     double sigma[HDR_SCALES + 1];
     double offset[HDR_SCALES]; /* >= 0, in the plane's unit */
     double epsilon;
-    double unit;    /* a change of 1e-8 of it is of no account in a V close to 0 */
-    double largest; /* number of the plane; none is below 0 */
-    bool no_skip;   /* compute what cannot matter, too */
+    double unit;  /* a change of 1e-8 of it is of no account in a V close to 0 */
+    bool no_skip; /* compute what cannot matter, too */
 } hdr_scales;
 
 typedef struct hdr_scales_report {

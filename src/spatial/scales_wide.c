@@ -74,11 +74,19 @@ static hdr_status search_row(void *context, int y, int thread, hdr_error *err) {
     return HDR_OK;
 }
 
+static double largest_of(const hdr_plane *plane) {
+    double largest = 0;
+    for (int y = 0; y < plane->height; y++)
+        for (int x = 0; x < plane->width; x++)
+            largest = fmax(largest, plane->wide[(size_t)y * plane->stride + (size_t)x]);
+    return largest;
+}
+
 hdr_status hdr_scales_surround_wide(const hdr_scales *scales, const hdr_plane *plane, hdr_plane *surround,
                                     unsigned char *choice, hdr_pool *pool, hdr_scales_report *report, hdr_error *err) {
     search s = {.scales = scales, .in = plane, .out = surround, .choice = choice};
     size_t threads = (size_t)hdr_pool_threads(pool), width = (size_t)plane->width;
-    double ratio = scales->largest / scales->unit;
+    double ratio = largest_of(plane) / scales->unit;
     s.rows = hdr_alloc(3 * threads, width * sizeof *s.rows);
     s.marks = hdr_alloc(threads, width);
     bool made = s.rows && s.marks;

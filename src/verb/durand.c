@@ -186,7 +186,7 @@ static hdr_verdict plan(const void *params, const hdr_scene *scene, hdr_step *st
     step->own_weights = p->intensity == INTENSITY_DURAND;
     memcpy(step->luminance, durand_weights, sizeof durand_weights);
     /* logarithms are taken of what float holds: not of denormal numbers */
-    step->wide = facts->min_lit < 0x1p-120 || facts->max_luminance > 0x1p126;
+    step->wide = p->method == METHOD_EXACT || facts->min_lit < 0x1p-120 || facts->max_luminance > 0x1p126;
     snprintf(step->note, sizeof step->note, "I from %.9g to %.9g", facts->min_lit, facts->max_luminance);
     return HDR_RUN;
 }
@@ -276,7 +276,7 @@ static hdr_status surround(hdr_step *step, hdr_surroundings *with, hdr_error *er
     const hdr_facts *facts = &with->scene->facts;
     hdr_plane *from = with->luminance;
     int width = from->width, height = from->height;
-    bool wide = with->reference;
+    bool wide = with->reference || p->method == METHOD_EXACT;
     with->surround = (from->wide != NULL) == wide ? from : hdr_plane_new(width, height, wide, err);
     if (!with->surround) return HDR_INTERNAL;
     logarithms l = {.from = from, .to = with->surround, .least = facts->min_lit};
@@ -296,6 +296,66 @@ static hdr_status surround(hdr_step *step, hdr_surroundings *with, hdr_error *er
     return status;
 }
 
+#define DETAILS                                                                                                        \
+    "The operator of Durand and Dorsey (SIGGRAPH 2002). The logarithm of intensity is parted in a base layer, the "    \
+    "large "                                                                                                           \
+    "differences of light, and a detail layer, what is left; the base alone is compressed, so that detail keeps its "  \
+    "full "                                                                                                            \
+    "contrast. With i = log10 I:\n\n"                                                                                  \
+    "base = sum of f(p - s) g(i_p - i_s) i_p, divided by the same sum without i_p, over all pixels p: the bilateral "  \
+    "filter, "                                                                                                         \
+    "with f and g the Gaussians of standard deviation --sigma-s and --sigma-r. It averages a pixel with those that "   \
+    "are near "                                                                                                        \
+    "it in the picture and near it in intensity, so that it blurs a wall, and not across its edge. The window is cut " \
+    "at the "                                                                                                          \
+    "picture's border.\n\n"                                                                                            \
+    "c = min(1, log10(CONTRAST) / (hi - lo)), where lo and hi are the percentiles PERCENT and 100 - PERCENT of the "   \
+    "base over "                                                                                                       \
+    "lit pixels, by nearest rank (0: its minimum and maximum, as printed; then one firefly sets the contrast of the "  \
+    "whole "                                                                                                           \
+    "picture).\n\n"                                                                                                    \
+    "Ld = 10^(c (base - hi) + (i - base)), and C' = C (Ld/I) for each component; with --saturation S, (C/I)^S Ld. hi " \
+    "becomes "                                                                                                         \
+    "1; what is brighter, and detail on bright ground, may exceed it and is clipped by what writes codes. A pixel "    \
+    "that is not "                                                                                                     \
+    "lit (I or luminance not above 0) becomes 0, and counts as the darkest lit one in the filter. The result is "      \
+    "linear and "                                                                                                      \
+    "does not depend on the exposure of the render.\n\n"                                                               \
+    "I is luminance, or with --intensity durand the authors' (20 R + 40 G + B) / 61.\n\n"                              \
+    "Units. --sigma-s 0.02 is 2 percent of the data window's larger side, so that half the resolution gives the same " \
+    "picture; 40px is 40 pixels whatever the size. The larger it is, the larger the features that count as detail. "   \
+    "--sigma-r is in powers of ten: edges of more than about twice as much stay in the base and get compressed. Too "  \
+    "small "                                                                                                           \
+    "(0.1), texture gets into the base and the picture goes flat and grainy; too large (1 and more), the filter "      \
+    "becomes a "                                                                                                       \
+    "plain blur, and halos stand around edges, as everybody's local contrast filters have them. --contrast 5 makes "   \
+    "lit "                                                                                                             \
+    "interiors and the view from their windows visible together; 20 to 50 keep more of the light's drama; c = 1 "      \
+    "leaves the "                                                                                                      \
+    "picture as it is but for the exposure.\n\n"                                                                       \
+    "Methods. auto takes the cheapest whose stated error is within --tolerance, everywhere in the picture, whatever "  \
+    "the "                                                                                                             \
+    "scene: of bilateral grids of several cell sizes (Chen, Paris and Durand 2007; here with cubic splines, whose "    \
+    "own blur is "                                                                                                     \
+    "taken off the grid's), and of the direct sum cut where what lies beyond cannot matter, for a sigma-s of a pixel " \
+    "or two. "                                                                                                         \
+    "grid and direct hold it to one kind. exact is the sum itself, in double: some seconds for a megapixel. 0.001 is " \
+    "a "                                                                                                               \
+    "quarter of a percent in intensity, about half a code of 8 bits at its worst, usually a hundredth. --explain "     \
+    "tells what "                                                                                                      \
+    "was chosen, and why.\n\n"                                                                                         \
+    "--show base and --show detail give the layers as pictures: 10^(base - hi), and 0.18 x 10^(i - base)."
+
+/* A base that is wrong by E makes Ld wrong by (1 - c) E, and where hi and lo are by c E more, in powers of ten. A grid
+ * that is asked for is the finest where none keeps the tolerance. */
+static double bound(const void *params) {
+    const durand_params *p = params;
+    double finest = hdr_grid_bound(100, 100) * p->sigma_r.value;
+    double base = p->method == METHOD_EXACT ? 0 : p->tolerance.value > 1e-5 ? p->tolerance.value : 1e-5; /* in float */
+    if (p->method == METHOD_GRID && finest > base) base = finest;
+    return hdr_pow(10, 2 * base) - 1;
+}
+
 static const char *const examples[] = {"hdr durand then png -o OUT.png IN.exr",
                                        "hdr durand --contrast 20 --sigma-s 40px then png -o OUT.png IN.exr",
                                        "hdr durand --show detail then png -o OUT.png IN.exr", NULL};
@@ -303,7 +363,7 @@ static const char *const examples[] = {"hdr durand then png -o OUT.png IN.exr",
 const hdr_verb hdr_verb_durand = {
     .about = {.name = "durand",
               .summary = "tone map by a bilateral filter that keeps detail",
-              .details = "",
+              .details = DETAILS,
               .examples = examples,
               .options = options,
               .kind = HDR_FILTER},
@@ -312,4 +372,5 @@ const hdr_verb hdr_verb_durand = {
     .needs = needs,
     .plan = plan,
     .surround = surround,
+    .bound = bound,
 };

@@ -7,6 +7,7 @@
 typedef struct exp_params {
     hdr_number k;
     hdr_luminance_params luminance;
+    hdr_shot shot;
 } exp_params;
 
 static const char *const automatic[] = {"auto", NULL};
@@ -22,7 +23,15 @@ static const hdr_option options[] = {{.name = "k",
                                       .default_value = "auto",
                                       .help = "factor on luminance; auto is 1 / log-average"},
                                      HDR_LUMINANCE_OPTIONS(exp_params),
+                                     HDR_FACTS_OPTION(exp_params),
                                      {0}};
+
+static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
+    (void)given;
+    const exp_params *p = params;
+    if (!p->shot.given || p->k.word == 0) return HDR_OK;
+    return hdr_fail(err, HDR_USAGE, "--facts has no meaning with a number for --k");
+}
 
 static void needs(const void *params, hdr_request *request) {
     const exp_params *p = params;
@@ -64,11 +73,13 @@ const hdr_verb hdr_verb_exp = {
              "lit "
              "pixels, so that the result does not depend on the exposure of the render.\n\n"
              "Colours keep their chromaticity: C' = (C/Y)^S Ld, with S = --saturation. A pixel whose luminance is not "
-             "above 0 becomes 0. With --per-channel the curve is applied to each channel as if it were Y.",
+             "above 0 becomes 0. With --per-channel the curve is applied to each channel as if it were "
+             "Y." HDR_FACTS_DETAILS,
          .examples = examples,
          .options = options,
          .kind = HDR_FILTER},
     .params_size = sizeof(exp_params),
+    .check = check,
     .needs = needs,
     .plan = plan,
 };

@@ -8,6 +8,7 @@
 typedef struct expose_params {
     hdr_number ev;
     bool automatic;
+    hdr_shot shot;
 } expose_params;
 
 static const hdr_option options[] = {{.name = "ev",
@@ -22,6 +23,7 @@ static const hdr_option options[] = {{.name = "ev",
                                       .type = HDR_OPTION_FLAG,
                                       .offset = offsetof(expose_params, automatic),
                                       .help = "choose the stops that bring the log-average of luminance to 0.18"},
+                                     HDR_FACTS_OPTION(expose_params),
                                      {0}};
 
 static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
@@ -29,6 +31,7 @@ static hdr_status check(const void *params, const hdr_options *given, hdr_error 
     for (int i = 0; i < given->count; i++)
         if (p->automatic && !strcmp(given->given[i].option->name, "ev"))
             return hdr_fail(err, HDR_USAGE, "--auto chooses the stops itself: leave out --ev, or add a second expose");
+    if (p->shot.given && !p->automatic) return hdr_fail(err, HDR_USAGE, "--facts has no meaning without --auto");
     return HDR_OK;
 }
 
@@ -74,7 +77,7 @@ const hdr_verb hdr_verb_expose = {
          .details =
              "Multiplies every colour component by 2 to the power of --ev: C' = C 2^ev.\n\n"
              "With --auto, ev = log2(0.18 / Yavg), where Yavg = exp(mean of ln Y) over the lit pixels: those whose "
-             "luminance Y is above 0. A picture with nothing lit stays as it is.",
+             "luminance Y is above 0. A picture with nothing lit stays as it is." HDR_FACTS_DETAILS,
          .examples = examples,
          .options = options,
          .kind = HDR_FILTER},

@@ -10,6 +10,7 @@ typedef struct log_params {
     hdr_number k;
     hdr_decimal percentile;
     hdr_luminance_params luminance;
+    hdr_shot shot;
 } log_params;
 
 static const char *const modes[] = {"shifted", "range", "literal", NULL};
@@ -42,6 +43,7 @@ static const hdr_option options[] = {{.name = "mode",
                                       .default_value = "0.1",
                                       .help = "range: the percentile that becomes 0; 100 minus it becomes 1"},
                                      HDR_LUMINANCE_OPTIONS(log_params),
+                                     HDR_FACTS_OPTION(log_params),
                                      {0}};
 
 /* Options of one mode that are given with another would be ignored in silence. */
@@ -51,6 +53,7 @@ static hdr_status check(const void *params, const hdr_options *given, hdr_error 
         const char *name = given->given[i].option->name;
         bool fits = !strcmp(name, "mode")         ? true
                     : !strcmp(name, "k")          ? p->mode == MODE_SHIFTED
+                    : !strcmp(name, "facts")      ? p->mode == MODE_SHIFTED
                     : !strcmp(name, "percentile") ? p->mode == MODE_RANGE
                                                   : p->mode != MODE_LITERAL;
         if (!fits) return hdr_fail(err, HDR_USAGE, "--%s has no meaning with --mode %s", name, modes[p->mode]);
@@ -183,7 +186,7 @@ const hdr_verb hdr_verb_log = {
                   "In the first two modes colours keep their chromaticity: C' = (C/Y)^S Ld, with S = --saturation, and "
                   "a pixel whose "
                   "luminance is not above 0 becomes 0. With --per-channel the curve is applied to each channel as if "
-                  "it were Y.",
+                  "it were Y." HDR_FACTS_DETAILS,
               .examples = examples,
               .options = options,
               .kind = HDR_FILTER},

@@ -10,6 +10,7 @@
 typedef struct reinhard_params {
     hdr_number key, white, delta, phi, epsilon;
     bool local;
+    hdr_shot shot;
     hdr_luminance_params luminance;
 } reinhard_params;
 
@@ -70,6 +71,7 @@ static const hdr_option options[] = {
      .default_value = "0.05",
      .help = "with --local: the activity from which on a surround is no longer even"},
     HDR_LUMINANCE_OPTIONS(reinhard_params),
+    HDR_FACTS_OPTION(reinhard_params),
     {0}};
 
 static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
@@ -79,6 +81,9 @@ static hdr_status check(const void *params, const hdr_options *given, hdr_error 
         if (!strcmp(name, "phi") || !strcmp(name, "epsilon"))
             return hdr_fail(err, HDR_USAGE, "--%s has a meaning with --local only", name);
     }
+    if (p->shot.given && p->delta.value > 0)
+        return hdr_fail(err, HDR_USAGE,
+                        "--delta averages this picture's own pixels: it cannot be combined with --facts");
     if (p->local && p->luminance.per_channel)
         return hdr_fail(err, HDR_USAGE, "--local works on luminance: it cannot be combined with --per-channel");
     return HDR_OK;
@@ -208,10 +213,7 @@ static void explain(const hdr_scales_report *report, const hdr_plane *plane, cha
  * + V_i), here in units of Y, where 2^phi key becomes v[2] = 2^phi Yavg. */
 static hdr_status surround(hdr_step *step, hdr_surroundings *with, hdr_error *err) {
     const reinhard_params *p = with->params;
-    hdr_scales scales = {.epsilon = p->epsilon.value,
-                         .unit = 1 / step->constants.v[0],
-                         .largest = with->scene->facts.max_luminance,
-                         .no_skip = with->no_skip};
+    hdr_scales scales = {.epsilon = p->epsilon.value, .unit = 1 / step->constants.v[0], .no_skip = with->no_skip};
     double s = 1;
     for (int i = 0; i <= HDR_SCALES; i++, s *= 1.6) {
         scales.sigma[i] = s / 4;
@@ -297,6 +299,12 @@ static hdr_status surround(hdr_step *step, hdr_surroundings *with, hdr_error *er
     "out; "                                                                                                            \
     "--explain tells how much."
 
+/* V is right to 6e-6, Y in its plane to 2^-24. */
+static double bound(const void *params) {
+    (void)params;
+    return 1e-5;
+}
+
 static const char *const examples[] = {"hdr reinhard then png -o OUT.png IN.exr",
                                        "hdr reinhard --key 0.36 --white 4 then png -o OUT.png IN.exr",
                                        "hdr reinhard --key 0.09 --saturation 0.7 then png -o OUT.png IN.exr",
@@ -307,7 +315,7 @@ static const char *const examples[] = {"hdr reinhard then png -o OUT.png IN.exr"
 const hdr_verb hdr_verb_reinhard = {
     .about = {.name = "reinhard",
               .summary = "tone map by the photographic operator, global or local",
-              .details = DETAILS,
+              .details = DETAILS HDR_FACTS_DETAILS,
               .examples = examples,
               .options = options,
               .kind = HDR_FILTER},
@@ -316,4 +324,5 @@ const hdr_verb hdr_verb_reinhard = {
     .needs = needs,
     .plan = plan,
     .surround = surround,
+    .bound = bound,
 };

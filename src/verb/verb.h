@@ -170,6 +170,8 @@ struct hdr_verb {
     /* Spatial filters: S of each pixel, for a step that plan() has given HDR_FORM_LOCAL, and what of its constants
      * depends on it. needs() has asked for the plane of luminance. The same bytes whatever the pool. */
     hdr_status (*surround)(hdr_step *step, hdr_surroundings *with, hdr_error *err);
+    /* The same: how far a value may be from that of --reference, as a part of it. */
+    double (*bound)(const void *params);
     const hdr_format *format; /* formats only */
 };
 
@@ -205,6 +207,29 @@ typedef struct hdr_luminance_params {
 
 /* Chooses the step's form by them. */
 void hdr_luminance_form(const hdr_luminance_params *params, hdr_step *step);
+
+/* ---- Facts of a whole shot ---- */
+
+/* The option by which a verb takes them instead of those of the picture, for a table whose params struct has a member
+ * `shot`. The chain does the rest: plan() finds them in the scene's facts. They are log_average, max_luminance, whether
+ * `lit` is above 0, and percentiles 1 and 99 of lit pixels where the request has them; a request for others is refused,
+ * and so is the option where nothing is requested. Of another picture, they prove nothing: no skip may rest on them. */
+#define HDR_FACTS_OPTION(params)                                                                                       \
+    {                                                                                                                  \
+        .name = "facts", .type = HDR_OPTION_FACTS, .offset = offsetof(params, shot), .metavar = "FILE",                \
+        .help = "take log-average, maximum and percentiles from `hdr stats --json` of a whole shot, not from this "    \
+                "picture"                                                                                              \
+    }
+
+/* What the manual says about it: the last paragraph of such a verb's details. */
+#define HDR_FACTS_DETAILS                                                                                              \
+    "\n\nWith --facts FILE the facts are those of a whole shot, so that a sequence does not flicker though each "      \
+    "frame "                                                                                                           \
+    "is made by itself. FILE holds what 'hdr stats --json' has printed about all its frames, with the verbs in front " \
+    "of stats that stand in front of this one. The numbers go along through a pipe, where FILE is not needed any "     \
+    "more."
+
+/* ---- What encodings share ---- */
 
 /* Encodings: refuses to encode what is encoded already unless forced. */
 hdr_status hdr_check_linear(const hdr_scene *scene, bool force, hdr_error *err);

@@ -50,14 +50,10 @@ int main(void) {
               *surround = hdr_plane_new(WIDTH, HEIGHT, false, &error);
     hdr_pool *pool = hdr_pool_new(1, &error);
     if (!plane || !surround || !pool) return 1;
-    double largest = 0;
     for (int y = 0; y < HEIGHT; y++)
-        for (int x = 0; x < WIDTH; x++) {
-            float *at = plane->narrow + (size_t)y * plane->stride + (size_t)x;
-            *at = number(x, y);
-            largest = fmax(largest, (double)*at);
-        }
-    hdr_scales paper = {.epsilon = 0.05, .unit = 1 / 0.18, .largest = largest};
+        for (int x = 0; x < WIDTH; x++)
+            plane->narrow[(size_t)y * plane->stride + (size_t)x] = number(x, y);
+    hdr_scales paper = {.epsilon = 0.05, .unit = 1 / 0.18};
     double s = 1;
     for (int i = 0; i <= HDR_SCALES; i++, s *= 1.6) {
         paper.sigma[i] = s / 4;

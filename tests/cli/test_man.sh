@@ -78,6 +78,7 @@ while read -r verb kind; do
     for option in $("$hdr" help --options "$verb" | sed 's/ .*//'); do
         case $option in
         --output) continue ;; # test_status.sh is about it
+        --facts) continue ;; # test_shot.sh is about it
         --part | --layer | --channel | --crop) continue ;; # what a file holds: test_layers.sh is about them
         --help | --version)
             expect_status 0 "$verb $option" "$hdr" "$verb" "$option"

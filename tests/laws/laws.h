@@ -41,14 +41,14 @@ enum { VARIANT_OPTIONS = 3, MAX_VARIANTS = 4000, MAX_VALUES = 400 };
 /* An option with a value; that of a flag is empty. */
 typedef struct law_value {
     const hdr_option *option;
-    char text[40];
+    char text[80];
 } law_value;
 
 typedef struct law_variant {
     const hdr_verb *verb;
     law_value value[VARIANT_OPTIONS];
     int values;
-    char words[200]; /* "log --mode range --percentile 12.5" */
+    char words[240]; /* "log --mode range --percentile 12.5" */
 } law_variant;
 
 static law_variant law_variants[MAX_VARIANTS];
@@ -99,6 +99,17 @@ static inline int law_add_decimals(law_value *list, int count, const hdr_option 
     return count;
 }
 
+/* An ordinary shot, one with nothing lit, one of a single colour, and the ends of what is taken. */
+static inline int law_add_shots(law_value *list, int count, const hdr_option *option) {
+    static const char *const shots[] = {"log_average=0.25,max_luminance=4000,p1=0.001,p99=300",
+                                        "log_average=0,max_luminance=0,p1=0,p99=0",
+                                        "log_average=0.18,max_luminance=0.18,p1=0.18,p99=0.18",
+                                        "log_average=1e-250,max_luminance=1e50,p1=1e-250,p99=1e50"};
+    for (size_t i = 0; i < sizeof shots / sizeof *shots; i++)
+        count = law_add_value(list, count, option, "%s", shots[i]);
+    return count;
+}
+
 /* The values that one option is tried with. Texts have no typical ones: they name files. */
 static inline int law_add_values(law_value *list, int count, const hdr_option *option) {
     for (int w = 0; option->words && option->words[w]; w++)
@@ -111,6 +122,8 @@ static inline int law_add_values(law_value *list, int count, const hdr_option *o
         return law_add_numbers(list, count, option);
     case HDR_OPTION_DECIMAL:
         return law_add_decimals(list, count, option);
+    case HDR_OPTION_FACTS:
+        return law_add_shots(list, count, option);
     case HDR_OPTION_CHOICE:
     case HDR_OPTION_SIZE:
     case HDR_OPTION_TEXT:

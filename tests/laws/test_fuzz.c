@@ -7,6 +7,7 @@
 #include "exr_make.h"
 #include "hdrpipe.h"
 
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <sys/resource.h>
@@ -195,7 +196,7 @@ static file_bytes copy_of_seed(uint64_t *random) {
 
 typedef struct command {
     const char *word[WORDS_MAX];
-    char text[WORDS_MAX][64]; /* of the words that are made up */
+    char text[WORDS_MAX][200]; /* of the words that are made up */
     int count;
 } command;
 
@@ -226,6 +227,18 @@ static void value_of(const hdr_option *option, uint64_t *random, char *text, siz
         snprintf(text, size, "%.6g", (double)below(random, 1000) / 100);
 }
 
+/* Facts of a shot by their numbers: any other text would name a file. Mostly such that can be; else one byte behind the
+ * first key is another. */
+static void facts_of_shot(uint64_t *random, char *text, size_t size) {
+    static const char other[] = "=,.-+e019 xp\xff";
+    double low = ldexp((double)(1 + below(random, 1000)), (int)below(random, 40) - 30);
+    double high = ldexp(low, (int)below(random, 30)), most = ldexp(high, (int)below(random, 4));
+    int length =
+        snprintf(text, size, "log_average=%.6g,max_luminance=%.9g,p1=%.6g,p99=%.6g", sqrt(low * high), most, low, high);
+    size_t at = strlen("log_average=");
+    if (one_in(random, 4)) text[at + below(random, (size_t)length - at)] = other[below(random, sizeof other - 1)];
+}
+
 static const hdr_option *any_option(const hdr_option *table, uint64_t *random) {
     size_t count = 0;
     while (table && table[count].name)
@@ -235,7 +248,7 @@ static const hdr_option *any_option(const hdr_option *table, uint64_t *random) {
 
 static void add_option(command *line, const hdr_option *option, uint64_t *random) {
     static const char *const alphas[] = {"keep", "drop", "over:1,0.5,0", "over:-1,1e30,2", "over:1,2", "over"};
-    char name[64], value[40];
+    char name[180], value[120];
     if (!strcmp(option->name, "alpha")) {
         add_word(line, "--alpha");
         add_word(line, alphas[below(random, sizeof alphas / sizeof *alphas)]);
@@ -247,7 +260,10 @@ static void add_option(command *line, const hdr_option *option, uint64_t *random
         add_word(line, name);
         return;
     }
-    value_of(option, random, value, sizeof value);
+    if (option->type == HDR_OPTION_FACTS)
+        facts_of_shot(random, value, sizeof value);
+    else
+        value_of(option, random, value, sizeof value);
     size_t length = strlen(name);
     if (one_in(random, 3)) snprintf(name + length, sizeof name - length, "%s%s", name[1] == '-' ? "=" : "", value);
     add_word(line, name);
@@ -309,8 +325,9 @@ static void keep(const file_bytes *file, const command *line) {
     fputc('\n', stderr);
 }
 
+/* Words that have come into disorder may name a file where facts of a shot are expected: there is none. */
 static bool allowed(hdr_status status, bool usage) {
-    return status == HDR_OK || status == HDR_BAD_DATA || (usage && status == HDR_USAGE);
+    return status == HDR_OK || status == HDR_BAD_DATA || (usage && (status == HDR_USAGE || status == HDR_NO_INPUT));
 }
 
 static void check_error(hdr_status status, const hdr_error *error, bool usage) {
@@ -378,7 +395,8 @@ static hdr_status run(const file_bytes *file, const command *line, bool usage, h
     *output = hdr_output_memory(&error);
     if (!chain || !input || !*output) abort();
     hdr_status status = hdr_chain_parse(chain, line->count, line->word, &error);
-    CHECK(status == HDR_OK || status == HDR_USAGE, "case %lu: parsing gives %d", case_number, (int)status);
+    CHECK(status == HDR_OK || status == HDR_USAGE || status == HDR_NO_INPUT, "case %lu: parsing gives %d", case_number,
+          (int)status);
     bool runs = status == HDR_OK && hdr_chain_last(chain)->kind != HDR_PROGRAM;
     if (runs) status = hdr_chain_run(chain, input, *output, &listener, &error);
     check_error(status, &error, usage);

@@ -17,7 +17,8 @@
 static bool is_tried(int variant, int picture) {
     int values = law_variants[variant].values;
     if (law_pictures[picture].few) return values == 0;
-    return values == 0 || (variant + picture) % (values == 1 ? 4 : 17) == 0;
+    int rarer = law_variants[variant].verb->surround ? 4 : 1; /* those that take their time */
+    return values == 0 || (variant + picture) % (values == 1 ? 4 : 17 * rarer) == 0;
 }
 
 static void check_same(const law_picture *picture, const law_variant *variant, const char *format, const char *setting,
@@ -30,10 +31,18 @@ static void check_same(const law_picture *picture, const law_variant *variant, c
 
 /* ---- Laws 2, 3 and 4 ---- */
 
-/* Spatial verbs compute surrounds in float: their values are within 1e-5 of the reference's, relatively, and codes
- * within 1. */
+/* Spatial verbs compute surrounds within a bound of their own. */
 static bool is_spatial(const law_variant *variant) {
     return variant->verb->surround && law_request(variant).plane;
+}
+
+static double bound_of(const law_variant *variant) {
+    hdr_options given = {0};
+    void *params = law_parameters(variant, &given);
+    double bound = is_spatial(variant) ? variant->verb->bound(params) : 0;
+    hdr_options_free(&given);
+    free(params);
+    return bound;
 }
 
 /* The farthest of all codes of two PNGs. */
@@ -58,8 +67,10 @@ static void check_reference_codes(const law_picture *picture, const law_variant 
     }
     law_result exact = law_run(picture, "%s then %s -j 1 --reference", variant->words, format);
     int farthest = code_distance(base, &exact);
-    CHECK(farthest <= 1, "law 4: %s then %s on %s: %d codes from the reference", variant->words, format, picture->name,
-          farthest);
+    /* sRGB's slope in logarithms is 1 at most */
+    double codes = bound_of(variant) * (strstr(format, "16") ? 65535 : 255);
+    CHECK(farthest <= (codes < 2 ? 1 : ceil(codes) + 1), "law 4: %s then %s on %s: %d codes from the reference",
+          variant->words, format, picture->name, farthest);
     free(exact.bytes);
 }
 
@@ -79,9 +90,10 @@ static void check_reference_floats(const law_picture *picture, const law_variant
     size_t count = 0, exact_count = 0;
     float *a = law_read_pfm(&fast, &count), *b = law_read_pfm(&exact, &exact_count);
     uint32_t farthest = count == exact_count ? 0 : UINT32_MAX;
+    double bound = bound_of(variant);
     for (size_t i = 0; a && b && i < count && count == exact_count; i++) {
         uint32_t distance = float_distance(a[i], b[i]);
-        if (is_spatial(variant) && fabsf(a[i] - b[i]) <= 1e-5f * fabsf(b[i])) distance = 0;
+        if (fabs((double)a[i] - (double)b[i]) <= bound * fabs((double)b[i])) distance = 0;
         farthest = distance > farthest ? distance : farthest;
     }
     CHECK(a && b && farthest <= 2, "law 4: %s on %s: %u floats from the reference", variant->words, picture->name,
@@ -128,6 +140,8 @@ static void check_pair(const law_picture *picture, const law_variant *first, con
     for (int s = 0; base.status == HDR_OK && s < 3; s++) {
         law_result other = law_run(picture, "%s then png %s", chain, settings[s]);
         bool nearly = strstr(settings[s], "--reference") && (is_spatial(first) || is_spatial(second));
+        /* what comes behind may make more of a difference that is not small */
+        if (nearly && (bound_of(first) > 1e-4 || bound_of(second) > 5e-3)) continue;
         CHECK(nearly ? code_distance(&base, &other) <= 1 : law_same(&base, &other),
               "%s then png %s on %s: other bytes (status %d)", chain, settings[s], picture->name, (int)other.status);
         free(other.bytes);
@@ -147,6 +161,8 @@ static void test_pairs(void) {
             const law_variant *first = &law_variants[a], *second = &law_variants[b];
             bool defaults = second->values == 0;
             if (first->values > 1 || second->values > 1 || !(defaults || (a + b) % 3 == 0)) continue;
+            /* what spatial verbs do with their options does not depend on their neighbours */
+            if ((is_spatial(first) || is_spatial(second)) && (!defaults || first->values) && (a + b) % 11) continue;
             check_pair(picture[(a + b / 3) % NAMES], first, second);
             if (defaults) check_pair(picture[(a + b / 3 + 1) % NAMES], first, second);
         }
@@ -223,6 +239,7 @@ static bool is_absolute(const law_variant *variant) {
     } absolute[] = {{"log", "mode", "literal"}, {"reinhard", "delta", NULL}};
     for (int i = 0; i < variant->values; i++) {
         const law_value *value = &variant->value[i];
+        if (value->option->type == HDR_OPTION_FACTS) return true; /* not those of the picture */
         /* a number where "auto" could stand is in the scene's units */
         for (int w = 0; value->option->words && value->option->words[w]; w++)
             if (value->option->type == HDR_OPTION_NUMBER && !strcmp(value->option->words[w], "auto") &&

@@ -7,8 +7,8 @@
 #include <math.h>
 
 /* SPEC's numbers in the plane's units, in which L = 1 is 1 / scale. */
-static inline hdr_scales library_scales(double scale, double key, double phi, double epsilon, double largest) {
-    hdr_scales scales = {.epsilon = epsilon, .unit = 1 / scale, .largest = largest};
+static inline hdr_scales library_scales(double scale, double key, double phi, double epsilon) {
+    hdr_scales scales = {.epsilon = epsilon, .unit = 1 / scale};
     for (int i = 0; i <= HDR_SCALES; i++) {
         double s = pow(1.6, i);
         scales.sigma[i] = s / 4;
@@ -25,18 +25,16 @@ static inline bool library_surround(bool reference, const double *plane, int wid
     hdr_plane *in = hdr_plane_new(width, height, reference, &error),
               *out = hdr_plane_new(width, height, reference, &error);
     hdr_pool *pool = hdr_pool_new(2, &error);
-    double largest = 0;
     for (int y = 0; in && y < height; y++)
         for (int x = 0; x < width; x++) {
             double number = plane[(size_t)y * (size_t)width + (size_t)x];
             size_t at = (size_t)y * in->stride + (size_t)x;
-            largest = fmax(largest, number);
             if (reference)
                 in->wide[at] = number;
             else
                 in->narrow[at] = (float)number;
         }
-    hdr_scales scales = library_scales(scale, key, phi, epsilon, largest);
+    hdr_scales scales = library_scales(scale, key, phi, epsilon);
     hdr_scales_report report;
     bool done = in && out && pool && hdr_scales_surround(&scales, in, out, NULL, pool, &report, &error) == HDR_OK;
     for (int y = 0; done && y < height; y++)

@@ -356,7 +356,7 @@ static double median_of(recipe r, int count, const char *const words[]) {
     opened o;
     CHECK(make_exr(&r, &random_state, &file), "a file cannot be made");
     if (open_run(&o, &file, count, words)) {
-        CHECK(hdr_run_facts(&o.run, &request, &facts, NULL, &o.error) == HDR_OK, "%s", o.error.message);
+        CHECK(hdr_run_facts(&o.run, &request, NULL, NULL, &facts, &o.error) == HDR_OK, "%s", o.error.message);
         close_run(&o);
     }
     free_recipe(&r);

@@ -165,16 +165,13 @@ static float number_of(kind kind, int x, int y, int width, int height) {
     }
 }
 
-static hdr_scales scales_of(const hdr_plane *plane, double unit) {
+static hdr_scales scales_of(double unit) {
     hdr_scales scales = {.epsilon = 0.05, .unit = unit};
     double s = 1;
     for (int i = 0; i <= HDR_SCALES; i++, s *= 1.6) {
         scales.sigma[i] = s / 4;
         if (i < HDR_SCALES) scales.offset[i] = 256 * 0.18 * unit / (s * s);
     }
-    for (int y = 0; y < plane->height; y++)
-        for (int x = 0; x < plane->width; x++)
-            scales.largest = fmax(scales.largest, (double)plane->narrow[(size_t)y * plane->stride + (size_t)x]);
     return scales;
 }
 
@@ -261,7 +258,7 @@ static void test_search(void) {
                 for (int x = 0; x < plane->width; x++)
                     plane->narrow[(size_t)y * plane->stride + (size_t)x] =
                         number_of((kind)k, x, y, plane->width, plane->height);
-            hdr_scales scales = scales_of(plane, k == DIM ? 0x1p-95 : k % 2 ? 1 : 0.3), all = scales;
+            hdr_scales scales = scales_of(k == DIM ? 0x1p-95 : k % 2 ? 1 : 0.3), all = scales;
             all.no_skip = true;
             found fast = search(&scales, plane, 1), threads = search(&scales, plane, 3), whole = search(&all, plane, 2);
             char name[100];
