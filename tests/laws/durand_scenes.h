@@ -7,6 +7,7 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 typedef enum scene_kind {
@@ -59,6 +60,13 @@ static double scene_unit(uint64_t *state) {
 
 static double scene_log(uint64_t *state, double low, double high) {
     return low * pow(high / low, scene_unit(state));
+}
+
+/* To five digits, as it would be printed: what is printed is the scene, then. */
+static inline double scene_round(double value) {
+    char text[32];
+    snprintf(text, sizeof text, "%.5g", value);
+    return strtod(text, NULL);
 }
 
 /* In [0,1), from a place. */
@@ -230,11 +238,11 @@ static inline scene scene_random(scene_kind kind, uint64_t seed, double pixels) 
         s.height = (int)ceil(sqrt(area / shape));
     } while (s.width > 2000 || s.height > 1000);
     int larger = s.width > s.height ? s.width : s.height;
-    s.sigma_s = scene_log(&state, 0.5, fmax(0.5, 0.5 * larger));
-    s.sigma_r = scene_log(&state, 0.1, 1);
-    s.range = scene_log(&state, 1, 12);
+    s.sigma_s = scene_round(scene_log(&state, 0.5, fmax(0.5, 0.5 * larger)));
+    s.sigma_r = scene_round(scene_log(&state, 0.1, 1));
+    s.range = scene_round(scene_log(&state, 1, 12));
     for (int i = 0; i < SCENE_TURNS; i++)
-        s.turn[i] = scene_unit(&state);
+        s.turn[i] = scene_round(scene_unit(&state));
     return s;
 }
 

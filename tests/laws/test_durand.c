@@ -376,6 +376,45 @@ static void test_layers(const law_picture *render) {
     law_free_picture(&mild);
 }
 
+/* ---- Against --reference ---- */
+
+/* The base within the default tolerance, at every pixel, and codes off by 1 at most, on 1 pixel in 100. */
+static void check_reference(const char *path) {
+    static const char *const tones[] = {"durand", "durand --method grid"};
+    law_picture picture = read_planes(path);
+    law_picture exact = toned(&picture, "durand --show detail --reference");
+    codes right = codes_of(&picture, "durand --reference");
+    for (int t = 0; t < 2; t++) {
+        char text[100];
+        snprintf(text, sizeof text, "%s --show detail", tones[t]);
+        law_picture fast = toned(&picture, text);
+        codes codes = codes_of(&picture, tones[t]);
+        size_t off = 0, farther = 0, pixels = law_pixels(&picture);
+        double farthest = 0;
+        for (size_t i = 0; i < pixels; i++) {
+            int distance = 0;
+            for (size_t p = 0; p < 3 && codes.count == 3 * pixels && right.count == 3 * pixels; p++) {
+                int d = abs((int)codes.code[3 * i + p] - (int)right.code[3 * i + p]);
+                distance = d > distance ? d : distance;
+            }
+            off += distance == 1;
+            farther += distance > 1;
+            if (exact.plane[1][i] > 0)
+                farthest = fmax(farthest, fabs(log10((double)fast.plane[1][i] / (double)exact.plane[1][i])));
+        }
+        printf("%s on %s: base within %.2g, codes of %zu pixels of %zu off by 1\n", tones[t], path, farthest, off,
+               pixels);
+        CHECK(farthest <= 1e-3, "%s on %s: the base is off by %.3g", tones[t], path, farthest);
+        CHECK(codes.count == 3 * pixels && farther == 0 && off * 100 <= pixels,
+              "%s on %s: %zu codes are off by 1, %zu by more", tones[t], path, off, farther);
+        free(codes.code);
+        law_free_picture(&fast);
+    }
+    free(right.code);
+    law_free_picture(&exact);
+    law_free_picture(&picture);
+}
+
 /* ---- Size and orientation ---- */
 
 static int code_of(double v) {
@@ -529,6 +568,8 @@ int main(void) {
     test_exposure(&render);
     test_edges();
     test_layers(&render);
+    check_reference("testdata/interior_float.exr");
+    check_reference("testdata/glossy.exr");
     test_sizes(&interior);
     test_turns(&render);
     test_outliers(&interior);

@@ -117,7 +117,7 @@ static void oracle_take_intensity(oracle_durand *d) {
     const oracle_picture *picture = d->picture;
     oracle_weights weights = oracle_weights_of(picture);
     for (size_t i = 0; i < picture->pixels; i++) {
-        long double c[3];
+        long double c[3] = {0};
         oracle_straight(picture, i, c);
         bool grey = c[0] == c[1] && c[0] == c[2]; /* all weights add up to 1 */
         long double y = grey ? c[0] : oracle_dot(weights.rec709 ? rec709 : weights.row, c);

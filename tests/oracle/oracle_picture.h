@@ -181,7 +181,8 @@ static inline bool oracle_read(file_bytes *file, oracle_picture *picture) {
     exr_context_initializer_t initializer = memory_initializer(file);
     exr_context_t context = NULL;
     static unsigned long serial;
-    *picture = (oracle_picture){.serial = ++serial};
+    *picture = (oracle_picture){.serial = serial + 1};
+    serial++;
     bool done = exr_start_read(&context, "memory", &initializer) == EXR_ERR_SUCCESS &&
                 oracle_read_header(context, picture) && oracle_decode(context, picture);
     if (context) exr_finish(&context);

@@ -108,8 +108,9 @@ static void check_plane(const char *name, const double *numbers, int width, int 
         for (int r = 0; r < 3; r++) {
             if (spatial[s] < 0.1 || (count > 700 && (s + r) % 3)) continue; /* a large plane meets every third pair */
             oracle_bilateral(numbers, width, height, spatial[s], range[r], ORACLE_WHOLE, base);
-            oracle_bilateral(numbers, width, height, spatial[s], range[r], (int)ceil(8 * spatial[s]), cut);
-            for (size_t i = 0; i < count; i++)
+            if (count < 700)
+                oracle_bilateral(numbers, width, height, spatial[s], range[r], (int)ceil(8 * spatial[s]), cut);
+            for (size_t i = 0; count < 700 && i < count; i++)
                 farthest_cut = fmax(farthest_cut, fabs(base[i] - cut[i]));
             hdr_bilateral filter = {.sigma_s = spatial[s], .sigma_r = range[r], .low = low, .high = high};
             check_exact(name, numbers, base, filter, width, height);
@@ -203,17 +204,19 @@ static void check_base(const expectation *e, const void *bytes, size_t size) {
     const oracle_picture *in = e->picture;
     bool readable = oracle_read(&file, &out) && out.pixels == in->pixels && out.planes == in->planes;
     CHECK(readable, "%s: %s: not the picture that it should be", e->name, e->tone);
+    /* what works in double starts from unrounded numbers */
+    const oracle_durand *d = strstr(e->tone, "--method exact") ? &e->wide : &e->narrow;
     double farthest = 0, rounding = 0, from_wide = 0;
     for (size_t i = 0; readable && i < in->pixels; i++) {
-        if (!e->narrow.lit[i]) continue;
+        if (!d->lit[i]) continue;
         int brightest = 0;
         for (int p = 1; p < in->planes; p++)
             if (in->plane[p][i] > in->plane[brightest][i]) brightest = p;
-        long double ld = out.plane[brightest][i] * (e->narrow.intensity[i] / in->plane[brightest][i]);
-        double base = (double)(log10l(e->narrow.intensity[i]) - log10l(ld / 0.18L));
-        farthest = fmax(farthest, fabs(base - e->narrow.base[i]));
+        long double ld = out.plane[brightest][i] * (d->intensity[i] / in->plane[brightest][i]);
+        double base = (double)(log10l(d->intensity[i]) - log10l(ld / 0.18L));
+        farthest = fmax(farthest, fabs(base - d->base[i]));
         from_wide = fmax(from_wide, fabs(base - e->wide.base[i]));
-        rounding = fmax(rounding, 0x1p-22 * (1 + fabs(e->narrow.base[i])));
+        rounding = fmax(rounding, 0x1p-22 * (1 + fabs(d->base[i])));
     }
     CHECK(farthest <= e->bound + rounding, "%s: %s: the base is off by %.3g, the stated bound is %.3g", e->name,
           e->tone, farthest, e->bound);
