@@ -181,7 +181,8 @@ static inline bool oracle_read(file_bytes *file, oracle_picture *picture) {
     exr_context_initializer_t initializer = memory_initializer(file);
     exr_context_t context = NULL;
     static unsigned long serial;
-    *picture = (oracle_picture){.serial = ++serial};
+    *picture = (oracle_picture){.serial = serial + 1};
+    serial++;
     bool done = exr_start_read(&context, "memory", &initializer) == EXR_ERR_SUCCESS &&
                 oracle_read_header(context, picture) && oracle_decode(context, picture);
     if (context) exr_finish(&context);
@@ -279,7 +280,7 @@ static void oracle_adaptation(const long double from[2], oracle_matrix m) {
 
 /* From the file's primaries to Rec.709's. White is not adapted for the primaries of XYZ itself, nor where adapt is
  * false. */
-static void oracle_conversion(const oracle_picture *picture, bool adapt, oracle_matrix m) {
+static inline void oracle_conversion(const oracle_picture *picture, bool adapt, oracle_matrix m) {
     static const long double xyz[3][2] = {{1, 0}, {0, 1}, {0, 0}};
     oracle_matrix to_xyz, rec709, from_xyz, adaptation, adapted;
     oracle_rgb_to_xyz(&picture->primaries, to_xyz);
