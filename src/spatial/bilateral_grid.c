@@ -7,12 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a cubic B-spline adds to a variance, in cells, each time it is applied. */
-#define SPLINE_VARIANCE (1 / 3.0)
-
-/* Gaussians in the grid reach that far: a pixel by itself weighs no more than 1e-5 of a crowd, and e^(-6.5^2 / 2) of
- * that crowd, seen from far away in range, has to be nothing beside it. */
-#define REACH_DEVIATIONS 6.5
+/* Kernels in the grid reach that far: a pixel by itself weighs no more than 1e-5 of a crowd, and e^(-7.5^2 / 2) of that
+ * crowd, seen from far away in range, has to be nothing beside it. */
+#define REACH_DEVIATIONS 7.5
 
 enum { BAND = 32, STRIP = 16 * HDR_PIECE };
 
@@ -120,14 +117,35 @@ static hdr_status sow_band(void *context, int band, int thread, hdr_error *err) 
 
 /* ---- Blurring ---- */
 
-/* Gaussian weights up to a factor, which N / W does not see. */
-static bool make_blur(blur *b, double variance) {
-    double deviation = sqrt(variance);
+/* Divides a symmetric sequence's spectrum by that of the sampled B-spline of degree 7, up to a factor: there and back
+ * for each of the spline's poles. Unser, Aldroubi and Eden, B-Spline Signal Processing, IEEE Transactions on Signal
+ * Processing 41(2), 1993. What lies beyond the ends is taken for 0. */
+static void divide_by_spline(double *sequence, int count) {
+    static const double pole[] = {-0.53528043079643816554, -0.12255461519232669052, -0.0091486948096082769286};
+    for (int p = 0; p < 3; p++) {
+        for (int i = 1; i < count; i++)
+            sequence[i] += pole[p] * sequence[i - 1];
+        sequence[count - 1] *= -pole[p];
+        for (int i = count - 2; i >= 0; i--)
+            sequence[i] = pole[p] * (sequence[i + 1] - sequence[i]);
+    }
+}
+
+/* Weights, up to a factor, which N / W does not see, that make a Gaussian of that deviation in cells of what sowing and
+ * reading by cubic B-splines blur, which together is the B-spline of degree 7. */
+static bool make_blur(blur *b, double deviation) {
+    int middle = (int)ceil(10 * deviation) + 40, count = 2 * middle + 1;
+    double *sequence = hdr_alloc((size_t)count, sizeof *sequence);
     b->reach = (int)ceil(REACH_DEVIATIONS * deviation);
     b->weight = hdr_alloc((size_t)b->reach + 1, sizeof *b->weight);
-    for (int k = 0; b->weight && k <= b->reach; k++)
-        b->weight[k] = (float)hdr_exp(-0.5 * k * k / variance);
-    return b->weight != NULL;
+    bool made = sequence && b->weight;
+    for (int k = -middle; made && k <= middle; k++)
+        sequence[middle + k] = hdr_exp(-0.5 * k * k / (deviation * deviation));
+    if (made) divide_by_spline(sequence, count);
+    for (int k = 0; made && k <= b->reach; k++)
+        b->weight[k] = (float)fmax(sequence[middle + k] / sequence[middle], 0);
+    free(sequence);
+    return made;
 }
 
 /* Blurs `count` numbers whose neighbours stand `step` apart; from has the blur's reach of steps around them. */
@@ -242,8 +260,7 @@ static bool lay_out(grid *g) {
     g->cells = hdr_alloc_pages(g->cells_size);
     if (g->cells) memset(g->cells, 0, g->cells_size);
     double flat = g->filter->sigma_s / g->across, range = g->filter->sigma_r / g->deep;
-    return g->column && g->cells && make_blur(&g->flat, flat * flat - 2 * SPLINE_VARIANCE) &&
-           make_blur(&g->range, range * range - 2 * SPLINE_VARIANCE) && make_workers(g);
+    return g->column && g->cells && make_blur(&g->flat, flat) && make_blur(&g->range, range) && make_workers(g);
 }
 
 static void free_grid(grid *g) {

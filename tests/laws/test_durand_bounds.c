@@ -171,7 +171,8 @@ static answer ask_choice(const question *q, bool only_direct, double cells) {
 static answer ask_way(const question *q, int way, double cells) {
     if (way >= GRIDS) return ask_choice(q, way == DIRECT, cells);
     const double *size = grid_sizes[way];
-    return ask_grid(q, size[0], size[1], hdr_grid_bound(size[0], size[1]), cells);
+    double bound = hdr_grid_bound(&q->filter, q->plane, size[0], size[1]) / q->filter.sigma_r;
+    return ask_grid(q, size[0], size[1], bound, cells);
 }
 
 /* ---- The worst ---- */
@@ -196,8 +197,7 @@ static void keep(record *r, const scene *s, const answer *a) {
 
 static void name_way(int way, char name[80]) {
     if (way < GRIDS)
-        snprintf(name, 80, "grid %g x %g, bound %g", grid_sizes[way][0], grid_sizes[way][1],
-                 hdr_grid_bound(grid_sizes[way][0], grid_sizes[way][1]));
+        snprintf(name, 80, "grid %g x %g", grid_sizes[way][0], grid_sizes[way][1]);
     else
         snprintf(name, 80, "%s", way == DIRECT ? "sum, cut for a tolerance" : "what a tolerance leads to");
 }
