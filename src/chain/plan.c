@@ -125,7 +125,6 @@ static hdr_status provide_facts(planning *p, int number, const hdr_clause *claus
 static hdr_status provide_surround(planning *p, int number, const hdr_clause *clause, const hdr_facts *facts,
                                    hdr_step *step, hdr_error *err) {
     hdr_run *run = p->run;
-    if (step->wide && !p->luminance->wide && provide_luminance(p, true, err)) return err->status;
     hdr_plane **grown = hdr_grow(run->surrounds, (size_t)run->surround_count + 1, sizeof(hdr_plane *));
     if (!grown) return hdr_fail(err, HDR_INTERNAL, "out of memory");
     run->surrounds = grown;
@@ -141,6 +140,19 @@ static hdr_status provide_surround(planning *p, int number, const hdr_clause *cl
                              .no_skip = run->settings.no_skip};
     double started = hdr_milliseconds();
     hdr_status status = clause->verb->surround(step, &with, err);
+    if (!status && with.too_wide) {
+        hdr_say(run->listener, HDR_EXPLAIN, "clause %d (%s): in double, these luminances being too far apart for float",
+                number, clause->verb->about.name);
+        hdr_plane_free(surround);
+        run->surrounds[run->surround_count - 1] = NULL;
+        status = provide_luminance(p, true, err);
+        surround = status ? NULL : hdr_plane_new(p->luminance->width, p->luminance->height, true, err);
+        if (!surround) return status ? status : HDR_INTERNAL;
+        run->surrounds[run->surround_count - 1] = with.surround = surround;
+        with.luminance = p->luminance;
+        with.too_wide = false;
+        status = clause->verb->surround(step, &with, err);
+    }
     if (status) return status;
     step->surround = surround;
     hdr_say(run->listener, HDR_DETAIL, "surround of clause %d: %.1f ms", number, hdr_milliseconds() - started);

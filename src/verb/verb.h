@@ -91,7 +91,6 @@ typedef struct hdr_step {
     const hdr_curve *curve;
     const hdr_local_curve *local; /* HDR_FORM_LOCAL */
     const hdr_plane *surround;    /* the same: S of each pixel of the data window; filled by the chain */
-    bool wide;                    /* the same: its luminances are nothing for float, S is to be computed in double */
     hdr_constants constants;
     double saturation;   /* HDR_FORM_LUMINANCE, HDR_FORM_LOCAL */
     double luminance[3]; /* weights of Y where the step stands; filled by the chain */
@@ -121,6 +120,7 @@ typedef struct hdr_surroundings {
     hdr_plane *surround;        /* to be filled; of the same size and type */
     hdr_pool *pool;
     bool no_skip;
+    bool too_wide;  /* set it where these luminances are nothing for float: then it is called again with a wide plane */
     char note[240]; /* to be filled, for --explain: what was left out */
 } hdr_surroundings;
 
