@@ -118,9 +118,11 @@ static void print_json_luminance(const hdr_stats *stats) {
     printf(", \"grey\": %s, \"opaque\": %s}\n", stats->grey ? "true" : "false", stats->opaque ? "true" : "false");
 }
 
-static void print_json(const hdr_stats *stats, const char *name) {
+/* of: how many files there are. */
+static void print_json(const hdr_stats *stats, const char *name, int of) {
     printf("{\"file\": ");
     cmd_print_json_text(name);
+    if (of > 1) printf(", \"of\": %d", of);
     printf(", ");
     cmd_print_picture_json(&stats->picture);
     print_json_counts(stats);
@@ -135,9 +137,9 @@ static void print_json_together(const hdr_stats *stats, int files) {
     print_json_luminance(stats);
 }
 
-static void print_stats(const hdr_chain *chain, const hdr_stats *stats, const char *name) {
+static void print_stats(const hdr_chain *chain, const hdr_stats *stats, const char *name, int of) {
     if (hdr_chain_settings(chain)->json)
-        print_json(stats, name);
+        print_json(stats, name, of);
     else
         print_text(stats, name);
 }
@@ -148,7 +150,7 @@ static hdr_status stats_of_file(hdr_chain *chain, hdr_input *input, const char *
     hdr_listener listener = cmd_listener(chain);
     hdr_stats stats;
     hdr_status status = hdr_chain_stats(chain, input, &stats, &listener, error);
-    if (status == HDR_OK) print_stats(chain, &stats, name);
+    if (status == HDR_OK) print_stats(chain, &stats, name, 1);
     return status;
 }
 
@@ -176,7 +178,7 @@ static hdr_status survey_file(shot *s, int index, bool first, hdr_error *error) 
     hdr_input *input = s->kept[index] ? s->kept[index] : hdr_input_open(file, error);
     if (!input) return error->status;
     hdr_status status = hdr_survey_take(s->survey, input, &stats, &listener, error);
-    if (status == HDR_OK && first) print_stats(s->chain, &stats, file);
+    if (status == HDR_OK && first) print_stats(s->chain, &stats, file, s->count);
     if (keep)
         s->kept[index] = input;
     else

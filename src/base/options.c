@@ -297,7 +297,7 @@ const char *hdr_shot_fault(const hdr_shot *shot) {
     for (int i = 0; i < SHOT_KEYS; i++) {
         if (!isfinite(number[i]) || number[i] < 0) return "has a number that is not finite, or negative";
         if ((number[i] > 0) != shot->lit) return "contradicts itself: either all its numbers are above 0, or all are 0";
-        if (shot->lit && (number[i] < 1e-250 || number[i] > 1e50)) return "has a number that no picture can have";
+        if (shot->lit && (number[i] < 1e-200 || number[i] > 1e50)) return "has a number that no picture can have";
     }
     if (shot->log_average > most || shot->low > shot->high || shot->high > most)
         return "contradicts itself: the percentiles ascend, and nothing is above the maximum";

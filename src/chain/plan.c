@@ -126,8 +126,6 @@ static hdr_status provide_facts(planning *p, int number, const hdr_clause *claus
 static hdr_status provide_surround(planning *p, int number, const hdr_clause *clause, const hdr_facts *facts,
                                    hdr_step *step, hdr_error *err) {
     hdr_run *run = p->run;
-    const double *weights = request_of(clause).weights;
-    if (step->wide && !p->luminance->wide && provide_luminance(p, weights, true, err)) return err->status;
     hdr_plane **grown = hdr_grow(run->surrounds, (size_t)run->surround_count + 1, sizeof(hdr_plane *));
     if (!grown) return hdr_fail(err, HDR_INTERNAL, "out of memory");
     run->surrounds = grown;
@@ -136,11 +134,20 @@ static hdr_status provide_surround(planning *p, int number, const hdr_clause *cl
                              .scene = &scene,
                              .luminance = p->luminance,
                              .pool = run->pool,
-                             .memory = run->settings.memory,
                              .reference = run->settings.reference,
                              .no_skip = run->settings.no_skip};
     double started = hdr_milliseconds();
     hdr_status status = clause->verb->surround(step, &with, err);
+    if (!status && with.too_wide) {
+        hdr_say(run->listener, HDR_EXPLAIN, "clause %d (%s): in double, for these luminances and options", number,
+                clause->verb->about.name);
+        if (with.surround != p->luminance) hdr_plane_free(with.surround);
+        with.surround = NULL;
+        with.too_wide = false;
+        status = provide_luminance(p, request_of(clause).weights, true, err);
+        with.luminance = p->luminance;
+        if (!status) status = clause->verb->surround(step, &with, err);
+    }
     if (with.surround) run->surrounds[run->surround_count++] = with.surround;
     if (with.surround != p->luminance) hdr_plane_free(p->luminance);
     p->luminance = NULL;

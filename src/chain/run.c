@@ -244,6 +244,13 @@ bool hdr_run_load(hdr_run *run, int thread, const hdr_block *block, int row, int
 
 /* ---- Sweeps ---- */
 
+/* A value as it is stored, finite or not. */
+static double stored_value(hdr_type type, const unsigned char *row, int64_t x) {
+    if (type == HDR_HALF) return hdr_half_value(((const uint16_t *)(const void *)row)[x]);
+    if (type == HDR_UINT) return ((const uint32_t *)(const void *)row)[x];
+    return (double)((const float *)(const void *)row)[x];
+}
+
 /* The sweep that finds what +Inf becomes. */
 static hdr_status find_largest(void *context, int block, int thread, hdr_error *err) {
     hdr_run *run = context;
@@ -255,8 +262,7 @@ static hdr_status find_largest(void *context, int block, int thread, hdr_error *
         for (int row = 0; in.plane[c] && in.type[c] != HDR_UINT && row < in.rows; row++) {
             const unsigned char *at = in.plane[c] + (size_t)row * in.stride[c];
             for (int64_t x = 0; x < width; x++) {
-                double value = in.type[c] == HDR_HALF ? hdr_half_value(((const uint16_t *)(const void *)at)[x])
-                                                      : (double)((const float *)(const void *)at)[x];
+                double value = stored_value(in.type[c], at, x);
                 if (isfinite(value)) run->threads[thread].largest[c] = fmax(run->threads[thread].largest[c], value);
             }
         }
@@ -380,6 +386,21 @@ static void keep_looked_at(hdr_run *run, int block, const hdr_block *in) {
     copy_block(in, &kept);
 }
 
+/* Whether some pixel's value in a channel is another than in the first, or in alpha's than 1, both being finite: which
+ * no repair can change. */
+static bool differs(const hdr_block *block, int channel, int row, int x, size_t count) {
+    const unsigned char *first = block->plane[0] ? block->plane[0] + (size_t)row * block->stride[0] : NULL;
+    const unsigned char *other =
+        block->plane[channel] ? block->plane[channel] + (size_t)row * block->stride[channel] : NULL;
+    for (size_t i = 0; i < count; i++) {
+        int64_t at = x + (int64_t)i;
+        double a = channel == 3 ? 1 : first ? stored_value(block->type[0], first, at) : 0;
+        double b = other ? stored_value(block->type[channel], other, at) : 0;
+        if (isfinite(a) && isfinite(b) && a != b) return true;
+    }
+    return false;
+}
+
 static hdr_status guess_job(void *context, int item, int thread, hdr_error *err) {
     (void)item;
     hdr_run *run = context;
@@ -393,12 +414,10 @@ static hdr_status guess_job(void *context, int item, int thread, hdr_error *err)
     for (int row = 0; row < in.rows; row++) {
         int x = (int)((size_t)width - count) / 2;
         hdr_watch *watch = &run->threads[thread].watch;
-        watch->colour |= run->source->picture.planes == 3 &&
-                         !(same_bits(&in, 0, 1, row, x, count) && same_bits(&in, 0, 2, row, x, count));
-        if (in.plane[3] && !run->over) {
-            load_plane(run, watch, &in, 3, row, x, count, run->threads[thread].strip->alpha);
-            watch->translucent |= !all_one(run->threads[thread].strip->alpha, count);
-        }
+        if (run->source->picture.planes == 3 &&
+            !(same_bits(&in, 0, 1, row, x, count) && same_bits(&in, 0, 2, row, x, count)))
+            watch->colour |= differs(&in, 1, row, x, count) || differs(&in, 2, row, x, count);
+        if (in.plane[3] && !run->over) watch->translucent |= differs(&in, 3, row, x, count);
     }
     return HDR_OK;
 }

@@ -17,9 +17,9 @@
 static const struct member {
     bool percentile;
     const char *key;
-} members[] = {{false, "files"},         {false, "pixels"}, {false, "lit"}, {false, "log_average"},
-               {false, "max_luminance"}, {true, "1"},       {true, "99"}};
-enum { FILES, PIXELS, LIT, LOG_AVERAGE, MAX_LUMINANCE, LOW, HIGH, MEMBERS };
+} members[] = {{false, "files"},         {false, "of"}, {false, "pixels"}, {false, "lit"}, {false, "log_average"},
+               {false, "max_luminance"}, {true, "1"},   {true, "99"}};
+enum { FILES, OF, PIXELS, LIT, LOG_AVERAGE, MAX_LUMINANCE, LOW, HIGH, MEMBERS };
 
 /* What was found in an object: of one file, or, where it has "files", of several together. */
 typedef struct object {
@@ -203,7 +203,7 @@ static bool take_object(scanner *s, object *found) {
     *found = (object){.of_file = false};
     if (!take(s, '{')) return fail(s, "is no JSON");
     if (!take_members(s, 0, '}', AT_TOP, found)) return false;
-    for (int m = FILES + 1; m < MEMBERS; m++)
+    for (int m = OF + 1; m < MEMBERS; m++)
         if (!found->has[m]) return fail(s, "lacks some of the facts");
     return found->of_file != found->has[FILES] || fail(s, "lacks some of the facts");
 }
@@ -221,6 +221,7 @@ static bool take_all(scanner *s, object *found) {
             return fail(s, "has the facts of fewer or more files than it says");
     }
     if (!files && !together) return fail(s, "is empty");
+    if (!together && found->has[OF]) return fail(s, "has not the facts of all files that it was made of");
     return together || files == 1 || fail(s, "has the facts of several files, but not of all together");
 }
 

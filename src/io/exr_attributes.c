@@ -113,6 +113,20 @@ static bool goes_along(const char *name, hdr_exr_fate fate) {
     return !(fate.altered && !strcmp(name, "whiteLuminance"));
 }
 
+/* Whether the library copies such a value as it is: it stops at a NUL in a text, and fails at some values of no bytes.
+ */
+static bool survives(const hdr_exr_attribute *attribute, const unsigned char *value) {
+    bool text = !strcmp(attribute->type, "string"), texts = !strcmp(attribute->type, "stringvector");
+    if (text) return !attribute->size || !memchr(value, 0, attribute->size);
+    if (!texts) return attribute->size > 0;
+    for (uint32_t at = 0; at + 4 <= attribute->size;) {
+        uint32_t length = hdr_little_endian_32(value + at);
+        if (length > attribute->size - at - 4 || memchr(value + at + 4, 0, length)) return false;
+        at += 4 + length;
+    }
+    return true;
+}
+
 static hdr_status gather(void *context, int part, const hdr_exr_attribute *attribute, hdr_error *err) {
     struct gathering *gathering = context;
     hdr_bytes *out = gathering->out;
@@ -125,7 +139,8 @@ static hdr_status gather(void *context, int part, const hdr_exr_attribute *attri
     if (fits) { /* a damaged value must not spoil the others */
         hdr_exr_text text;
         exr_context_t parsed;
-        fits = open_records(out->data + before, out->size - before, &text, &parsed) == EXR_ERR_SUCCESS;
+        fits = open_records(out->data + before, out->size - before, &text, &parsed) == EXR_ERR_SUCCESS &&
+               survives(attribute, out->data + out->size - attribute->size);
         if (parsed) exr_finish(&parsed);
         free(text.bytes.data);
     }
@@ -181,7 +196,8 @@ static exr_result_t put_unknown(exr_context_t context, exr_context_t from) {
     for (int32_t i = 0; i < count && result == EXR_ERR_SUCCESS; i++) {
         const exr_attribute_t *attribute;
         result = exr_get_attribute_by_index(from, 0, EXR_ATTR_LIST_FILE_ORDER, i, &attribute);
-        if (result == EXR_ERR_SUCCESS && attribute->type == EXR_ATTR_OPAQUE)
+        bool unknown = result == EXR_ERR_SUCCESS && attribute->type == EXR_ATTR_OPAQUE;
+        if (unknown && strcmp(attribute->name, HDR_EXR_RECORD) != 0) /* that is a string, written already */
             result = exr_attr_set_user(context, 0, attribute->name, attribute->type_name, attribute->opaque->size,
                                        attribute->opaque->packed_data);
     }

@@ -168,9 +168,10 @@ static void range_around(const search *s, int band, int piece, int reach, double
 }
 
 /* A V in float is a sum of reach + 1 products of rounded weights and rounded sums of two, in both directions, all of
- * them positive: none is wrong by more than this much of itself, as long as nothing is denormal. */
+ * them positive; the centre's weight has the rounding of all others, too. None is wrong by more than this much of
+ * itself, as long as no weight that matters and no product is denormal: suits_float sees to that. */
 static double error_of(int reach) {
-    return 2 * (reach + 4) * 0x1p-24;
+    return 2 * (reach + 6) * 0x1p-24;
 }
 
 /* And by so much that has no part in that: what lies beyond the reach, and 2^-149 of each denormal term. */
@@ -285,19 +286,20 @@ static double exact_v(const search *s, const worker *w, int x, int y, int i) {
     double sum = 0;
     for (int k = -g->full_reach; k <= g->full_reach; k++) {
         const float *row = in->narrow + (size_t)hdr_mirrored((int64_t)y + k, in->height) * in->stride;
-        const float *from = row + x - g->full_reach;
-        if (x < g->full_reach || x >= in->width - g->full_reach) {
+        const float *from = w->around;
+        if (x >= g->full_reach && x < in->width - g->full_reach)
+            from = row + x - g->full_reach;
+        else
             for (size_t n = 0; n < count; n++)
                 w->around[n] = row[hdr_mirrored((int64_t)x - g->full_reach + (int64_t)n, in->width)];
-            from = w->around;
-        }
         sum += g->full[g->full_reach + k] * hdr_weighted_sum(from, g->full, count);
     }
     return sum;
 }
 
 /* Settles the doubtful pixels of a piece by exact values. Returns how many of them stay open. */
-static int settle(const search *s, worker *w, int piece, int y, int i, unsigned char *marks, float *out) {
+static int settle(const search *s, worker *w, int piece, int y, int i, const float *float_v, unsigned char *marks,
+                  float *out) {
     int left = 0;
     for (int n = 0; n < HDR_PIECE; n++) {
         if (marks[n] != HDR_DOUBTFUL) continue;
@@ -305,7 +307,7 @@ static int settle(const search *s, worker *w, int piece, int y, int i, unsigned 
         double v = exact_v(s, w, x, y, i), next = exact_v(s, w, x, y, i + 1);
         bool uneven = fabs(v - next) > s->scales->epsilon * (s->scales->offset[i] + v);
         marks[n] = uneven ? (unsigned char)i : HDR_OPEN;
-        if (uneven) out[n] = (float)v;
+        if (uneven) out[n] = float_v[n]; /* as it would be without a doubt: what is skipped makes no difference */
         left += !uneven;
         w->report.settled++;
     }
@@ -325,7 +327,8 @@ static void test(const search *s, worker *w, int band, int rows, int i) {
             size_t at = (size_t)row * s->in->stride + (size_t)p * HDR_PIECE;
             float *out = s->out->narrow + (size_t)band * BAND * s->in->stride + at;
             hdr_open left = hdr_close_uneven(v + at, next + at, &uneven, w->marks + at, out);
-            if (left.doubtful) left.open += settle(s, w, p, band * BAND + row, i, w->marks + at, out) - left.doubtful;
+            if (left.doubtful)
+                left.open += settle(s, w, p, band * BAND + row, i, v + at, w->marks + at, out) - left.doubtful;
             w->report.chosen[i] += (uint64_t)(*open - left.open);
             *open = (unsigned char)left.open;
         }
@@ -431,8 +434,18 @@ static void merge_reports(const search *s, hdr_scales_report *report) {
         report->reach[i] = s->gaussian[i].reach;
 }
 
+/* Sums must not overflow, units not be denormal, and the weight of the farthest pixel that counts has to be a normal
+ * number still; and the test's own rounding has to be small against epsilon, or all is decided in double, pixel by
+ * pixel. */
+static bool suits_float(const search *s) {
+    double largest = largest_of(s), unit = s->scales->unit;
+    return largest <= 0x1p120 && unit >= 0x1p-100 && largest <= 0x1p100 * unit && s->scales->epsilon >= 1e-4;
+}
+
 hdr_status hdr_scales_surround(const hdr_scales *scales, const hdr_plane *plane, hdr_plane *surround,
-                               unsigned char *choice, hdr_pool *pool, hdr_scales_report *report, hdr_error *err) {
+                               unsigned char *choice, hdr_pool *pool, hdr_scales_report *report, bool *too_wide,
+                               hdr_error *err) {
+    *too_wide = false;
     if (plane->wide) return hdr_scales_surround_wide(scales, plane, surround, choice, pool, report, err);
     search s = {.scales = scales, .in = plane, .out = surround, .choice = choice, .threads = hdr_pool_threads(pool)};
     s.pieces = (plane->width + HDR_PIECE - 1) / HDR_PIECE;
@@ -441,10 +454,12 @@ hdr_status hdr_scales_surround(const hdr_scales *scales, const hdr_plane *plane,
     s.high = hdr_alloc((size_t)s.bands * (size_t)s.pieces, sizeof *s.high);
     hdr_status status = s.low && s.high ? HDR_OK : hdr_fail(err, HDR_INTERNAL, "out of memory");
     if (status == HDR_OK) status = hdr_pool_run(pool, s.bands, find_ranges, &s, err);
-    if (status == HDR_OK) status = make_gaussians(&s, err);
-    if (status == HDR_OK && !make_workers(&s)) status = hdr_fail(err, HDR_INTERNAL, "out of memory");
-    if (status == HDR_OK) status = hdr_pool_run(pool, s.bands, search_band, &s, err);
-    if (status == HDR_OK) merge_reports(&s, report);
+    bool suits = status == HDR_OK && suits_float(&s);
+    if (suits) status = make_gaussians(&s, err);
+    if (suits && status == HDR_OK && !make_workers(&s)) status = hdr_fail(err, HDR_INTERNAL, "out of memory");
+    if (suits && status == HDR_OK) status = hdr_pool_run(pool, s.bands, search_band, &s, err);
+    if (suits && status == HDR_OK) merge_reports(&s, report);
+    *too_wide = !suits;
     free_search(&s);
     return status;
 }

@@ -29,9 +29,12 @@ typedef struct hdr_scales_report {
 } hdr_scales_report;
 
 /* surround: of plane's size and type. A narrow plane is convolved in float: a V is wrong by no more than 2^-23 (reach +
- * 4) of itself (6e-6 for the widest that is used; in practice 1e-7) plus 1e-8 units, and no m is wrong. A wide one in
- * double, every Gaussian everywhere: the reference. choice: m of each pixel, width * height of them, or NULL. */
+ * 4) of itself (6e-6 for the widest that is used; in practice 1e-7) plus 1e-8 units, and no m is another than that of
+ * the same numbers in double. Where the numbers are nothing for that, *too_wide is set and nothing else: make the plane
+ * wide. A wide one in double, every Gaussian everywhere: the reference. choice: m of each pixel, width * height of
+ * them, or NULL. */
 hdr_status hdr_scales_surround(const hdr_scales *scales, const hdr_plane *plane, hdr_plane *surround,
-                               unsigned char *choice, hdr_pool *pool, hdr_scales_report *report, hdr_error *err);
+                               unsigned char *choice, hdr_pool *pool, hdr_scales_report *report, bool *too_wide,
+                               hdr_error *err);
 
 #endif

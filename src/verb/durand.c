@@ -185,8 +185,6 @@ static hdr_verdict plan(const void *params, const hdr_scene *scene, hdr_step *st
     step->local = curves[p->show];
     step->own_weights = p->intensity == INTENSITY_DURAND;
     memcpy(step->luminance, durand_weights, sizeof durand_weights);
-    /* logarithms are taken of what float holds: not of denormal numbers */
-    step->wide = p->method == METHOD_EXACT || facts->min_lit < 0x1p-120 || facts->max_luminance > 0x1p126;
     snprintf(step->note, sizeof step->note, "I from %.9g to %.9g", facts->min_lit, facts->max_luminance);
     return HDR_RUN;
 }
@@ -277,6 +275,9 @@ static hdr_status surround(hdr_step *step, hdr_surroundings *with, hdr_error *er
     hdr_plane *from = with->luminance;
     int width = from->width, height = from->height;
     bool wide = with->reference || p->method == METHOD_EXACT;
+    /* logarithms are taken of what float holds: not of denormal numbers */
+    with->too_wide = !from->wide && (wide || facts->min_lit < 0x1p-120 || facts->max_luminance > 0x1p126);
+    if (with->too_wide) return HDR_OK;
     with->surround = (from->wide != NULL) == wide ? from : hdr_plane_new(width, height, wide, err);
     if (!with->surround) return HDR_INTERNAL;
     logarithms l = {.from = from, .to = with->surround, .least = facts->min_lit};

@@ -4,6 +4,7 @@
 #include "spatial/scales.h"
 #include "verb/verb.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -105,14 +106,15 @@ static void needs(const void *params, hdr_request *request) {
     }
 }
 
-/* ---- The curves; L = v[0] Y, v[0] = key / Yavg ---- */
+/* ---- The curves; L = v[0] Y, v[0] = key / Yavg; v[2] = 2^phi Yavg and v[3] = Yavg are for the surround ---- */
 
 /* Ld = L (1 + L / white^2) / (1 + L), equation 4; equation 3 where white is infinite. L / white = v[1] Y. */
 HDR_INLINE double reinhard_global_of(const hdr_constants *k, double y) {
     double lit = y > 0 ? y : 0;
     double l = k->v[0] * lit;
     double of_white = k->v[1] * lit;
-    return (l + of_white * of_white) / (1 + l);
+    double ld = (l + of_white * of_white) / (1 + l);
+    return y > 0 ? ld : 0;
 }
 HDR_CURVE(reinhard_global)
 
@@ -176,8 +178,7 @@ static hdr_verdict plan(const void *params, const hdr_scene *scene, hdr_step *st
         step->form = HDR_FORM_LOCAL;
         step->local = &reinhard_local;
         v[2] = hdr_exp2(p->phi.value) * average;
-        /* sums would overflow, or be of denormal numbers where L is about 1 */
-        step->wide = facts->max_luminance > 0x1p120 || 1 / v[0] < 0x1p-100;
+        v[3] = average;
         snprintf(step->note, sizeof step->note, "key %.9g, Yavg %.9g, phi %.9g, epsilon %.9g", key, average,
                  p->phi.value, p->epsilon.value);
         return HDR_RUN;
@@ -213,7 +214,9 @@ static void explain(const hdr_scales_report *report, const hdr_plane *plane, cha
  * + V_i), here in units of Y, where 2^phi key becomes v[2] = 2^phi Yavg. */
 static hdr_status surround(hdr_step *step, hdr_surroundings *with, hdr_error *err) {
     const reinhard_params *p = with->params;
-    hdr_scales scales = {.epsilon = p->epsilon.value, .unit = 1 / step->constants.v[0], .no_skip = with->no_skip};
+    hdr_scales scales = {.epsilon = p->epsilon.value,
+                         .unit = fmin(1 / step->constants.v[0], step->constants.v[3]),
+                         .no_skip = with->no_skip};
     double s = 1;
     for (int i = 0; i <= HDR_SCALES; i++, s *= 1.6) {
         scales.sigma[i] = s / 4;
@@ -223,8 +226,9 @@ static hdr_status surround(hdr_step *step, hdr_surroundings *with, hdr_error *er
     with->surround = hdr_plane_new(luminance->width, luminance->height, luminance->wide != NULL, err);
     if (!with->surround) return HDR_INTERNAL;
     hdr_scales_report report;
-    hdr_status status = hdr_scales_surround(&scales, with->luminance, with->surround, NULL, with->pool, &report, err);
-    if (status == HDR_OK) explain(&report, with->luminance, with->note, sizeof with->note);
+    hdr_status status =
+        hdr_scales_surround(&scales, with->luminance, with->surround, NULL, with->pool, &report, &with->too_wide, err);
+    if (status == HDR_OK && !with->too_wide) explain(&report, with->luminance, with->note, sizeof with->note);
     return status;
 }
 

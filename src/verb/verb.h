@@ -91,7 +91,6 @@ typedef struct hdr_step {
     const hdr_curve *curve;
     const hdr_local_curve *local; /* HDR_FORM_LOCAL */
     const hdr_plane *surround;    /* the same: S of each pixel of the data window; filled by the chain */
-    bool wide;                    /* the same: its luminances are nothing for float, S is to be computed in double */
     hdr_constants constants;
     double saturation;   /* HDR_FORM_LUMINANCE, HDR_FORM_LOCAL */
     bool own_weights;    /* HDR_FORM_LOCAL: luminance[] are the step's own; a pixel is lit if Y is, too */
@@ -122,8 +121,8 @@ typedef struct hdr_surroundings {
     hdr_plane *luminance; /* Y of each pixel, 0 where it is not lit; it may be overwritten */
     hdr_plane *surround;  /* to be filled: a new plane of that size, which the chain frees, or `luminance` itself */
     hdr_pool *pool;
-    uint64_t memory; /* bytes the run may hold pixels in */
     bool reference, no_skip;
+    bool too_wide;  /* set it where these luminances are nothing for float: then it is called again with a wide plane */
     char note[240]; /* to be filled, for --explain: what was left out */
 } hdr_surroundings;
 

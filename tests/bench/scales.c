@@ -32,9 +32,10 @@ static double measure(const hdr_scales *scales, const hdr_plane *plane, hdr_plan
                       hdr_scales_report *report) {
     double times[REPETITIONS];
     hdr_error error = {0};
+    bool too_wide;
     for (int i = 0; i < REPETITIONS; i++) {
         double start = now();
-        if (hdr_scales_surround(scales, plane, surround, NULL, pool, report, &error) != HDR_OK) {
+        if (hdr_scales_surround(scales, plane, surround, NULL, pool, report, &too_wide, &error) != HDR_OK) {
             fprintf(stderr, "%s\n", error.message);
             exit(1);
         }

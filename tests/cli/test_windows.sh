@@ -66,4 +66,21 @@ check 'a colour outside the frame makes no grey picture' test "$(colour_type "$w
 expect_status 0 'grey rows, all' "$hdr" clamp : png --no-skip -o "$work/all.png" "$work/rows.exr"
 check 'the same bytes' same_bytes "$work/rows.png" "$work/all.png"
 
+# a NaN, repaired to the black beside it, is no colour, though its bits are others
+"$hdr" exr --compression none -o "$work/nan.exr" "$work/rows.pfm"
+show "$work/nan.exr" 0 8 0 63
+first=$(($(wc -c <"$work/nan.exr") - 64 * 20))
+row=0
+while [ $row -lt 64 ]; do # B, G and R behind each row's leader of 8 bytes
+    if [ $row -eq 32 ]; then pixel='\000\000\000\000\000\000\000\000\000\000\300\177'; else pixel=$grey; fi
+    # shellcheck disable=SC2059 # the bytes are the format
+    printf "$pixel" | dd of="$work/nan.exr" bs=1 seek=$((first + row * 20 + 8)) conv=notrunc 2>"$work/dd"
+    row=$((row + 1))
+done
+expect_status 0 'a NaN' "$hdr" clamp : png -o "$work/nan.png" "$work/nan.exr"
+check 'it was repaired' stderr_has '1 NaN'
+expect_status 0 'a NaN, all looked at' "$hdr" clamp : png --no-skip -o "$work/all.png" "$work/nan.exr"
+check 'a NaN makes no colour' test "$(colour_type "$work/nan.png")" = 0
+check 'the same bytes with a NaN' same_bytes "$work/nan.png" "$work/all.png"
+
 finish test_windows

@@ -104,7 +104,7 @@ static inline int law_add_shots(law_value *list, int count, const hdr_option *op
     static const char *const shots[] = {"log_average=0.25,max_luminance=4000,p1=0.001,p99=300",
                                         "log_average=0,max_luminance=0,p1=0,p99=0",
                                         "log_average=0.18,max_luminance=0.18,p1=0.18,p99=0.18",
-                                        "log_average=1e-250,max_luminance=1e50,p1=1e-250,p99=1e50"};
+                                        "log_average=1e-200,max_luminance=1e50,p1=1e-200,p99=1e50"};
     for (size_t i = 0; i < sizeof shots / sizeof *shots; i++)
         count = law_add_value(list, count, option, "%s", shots[i]);
     return count;

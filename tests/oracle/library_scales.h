@@ -36,7 +36,9 @@ static inline bool library_surround(bool reference, const double *plane, int wid
         }
     hdr_scales scales = library_scales(scale, key, phi, epsilon);
     hdr_scales_report report;
-    bool done = in && out && pool && hdr_scales_surround(&scales, in, out, NULL, pool, &report, &error) == HDR_OK;
+    bool too_wide = false;
+    bool done =
+        in && out && pool && hdr_scales_surround(&scales, in, out, NULL, pool, &report, &too_wide, &error) == HDR_OK;
     for (int y = 0; done && y < height; y++)
         for (int x = 0; x < width; x++) {
             size_t at = (size_t)y * out->stride + (size_t)x;

@@ -244,6 +244,36 @@ static void test_damaged(made *file) {
     free(out.data);
 }
 
+/* Values that the library would alter, or fail at, are left out and told; the file is written all the same. */
+static void test_awkward(made *file) {
+    static const struct {
+        const char *name, *type, *value;
+        size_t size;
+    } awkward[] = {{"curve", "floatvector", "", 0},
+                   {"secret", "string", "ab\0cd", 5},
+                   {"secrets", "stringvector", "\5\0\0\0ab\0cd", 9},
+                   {"nothing", "acme.empty", "", 0}};
+    for (size_t i = 0; i < sizeof awkward / sizeof *awkward; i++) {
+        begin_file(file);
+        put_screen(file);
+        put_attribute(file, awkward[i].name, awkward[i].type, awkward[i].value, awkward[i].size);
+        put_attribute(file, "owner", "string", "me", 2);
+        end_file(file);
+        made out = RUN(file, "exr");
+        CHECK(lacks(&out, awkward[i].name, awkward[i].type), "%s goes along", awkward[i].name);
+        CHECK(has(&out, "owner", "string", "me", 2), "the owner is lost beside %s", awkward[i].name);
+        CHECK(strstr(said, "1 attribute of"), "%s: said: %s", awkward[i].name, said);
+        free(out.data);
+    }
+    begin_file(file);
+    put_screen(file);
+    put_attribute(file, "hdrpipeChain", "acme.record", "12345", 5);
+    end_file(file);
+    made out = RUN(file, "exr", "--record");
+    CHECK(has(&out, "hdrpipeChain", "string", "exr --record", 12), "a record of another type stands in the way");
+    free(out.data);
+}
+
 static void test_large(made *file) {
     const size_t large = 5 << 20, too_large = 17 << 20;
     unsigned char *manifest = malloc(too_large);
@@ -326,6 +356,7 @@ int main(void) {
     test_every_type(&file);
     test_left_out(&file);
     test_damaged(&file);
+    test_awkward(&file);
     test_large(&file);
     test_record(&file);
     test_converted(&file);

@@ -186,9 +186,11 @@ static found search(const hdr_scales *scales, const hdr_plane *plane, int thread
     found out = {.surround = hdr_plane_new(plane->width, plane->height, plane->wide != NULL, &error)};
     out.choice = malloc((size_t)plane->width * (size_t)plane->height);
     hdr_pool *pool = hdr_pool_new(threads, &error);
+    bool too_wide = true;
     if (!out.surround || !out.choice || !pool) abort();
-    hdr_status status = hdr_scales_surround(scales, plane, out.surround, out.choice, pool, &out.report, &error);
-    CHECK(status == HDR_OK, "%s", error.message);
+    hdr_status status =
+        hdr_scales_surround(scales, plane, out.surround, out.choice, pool, &out.report, &too_wide, &error);
+    CHECK(status == HDR_OK && !too_wide, "%s", error.message);
     hdr_pool_free(pool);
     return out;
 }
@@ -259,6 +261,7 @@ static void test_search(void) {
                     plane->narrow[(size_t)y * plane->stride + (size_t)x] =
                         number_of((kind)k, x, y, plane->width, plane->height);
             hdr_scales scales = scales_of(k == DIM ? 0x1p-95 : k % 2 ? 1 : 0.3), all = scales;
+            if ((s + (size_t)k) % 3 == 0) scales.epsilon = all.epsilon = 1e-3; /* many tests that float leaves open */
             all.no_skip = true;
             found fast = search(&scales, plane, 1), threads = search(&scales, plane, 3), whole = search(&all, plane, 2);
             char name[100];
