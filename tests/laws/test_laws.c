@@ -30,11 +30,31 @@ static void check_same(const law_picture *picture, const law_variant *variant, c
 
 /* ---- Laws 2, 3 and 4 ---- */
 
-/* Spatial verbs compute surrounds in float: their values are within 1e-5 of the reference's, relatively, and codes
- * within 1. */
 static bool is_spatial(const law_variant *variant) {
     return variant->verb->surround && law_request(variant).plane;
 }
+
+/* How far surrounds may be from exact ones, in log10, as the verb itself says for --explain ("within 0.001"); 0 where
+ * it says nothing: then they are what float makes of them. Of a chain, the largest. */
+static double stated_bound(const law_result *explained) {
+    double bound = 0;
+    for (const char *at = explained->said; (at = strstr(at, "within ")) != NULL; at++)
+        bound = fmax(bound, strtod(at + strlen("within "), NULL));
+    return bound;
+}
+
+/* SPEC's default tolerance. Law 4 holds up to it; who asks for a method that may be farther off gets it. */
+static bool is_rough(double bound) {
+    return bound > 0.001;
+}
+
+/* What a surround that is `bound` decades off may make of values, relatively; where they are stretched between two
+ * percentiles of the surround, each of these may be off as well. */
+static double relative_room(double bound) {
+    return pow(10, 3 * bound) - 1 + 1e-5;
+}
+
+static unsigned long close_comparisons, rough_comparisons;
 
 /* The farthest of all codes of two PNGs. */
 static int code_distance(const law_result *a, const law_result *b) {
@@ -50,16 +70,22 @@ static int code_distance(const law_result *a, const law_result *b) {
     return farthest;
 }
 
+/* base: of a run with --explain. 8-bit codes are within 1, and those of 16 bits within as much, unless the surround is
+ * as good as exact: then within 1 of their own. */
 static void check_reference_codes(const law_picture *picture, const law_variant *variant, const char *format,
                                   const law_result *base) {
     if (!is_spatial(variant)) {
         check_same(picture, variant, format, "-j 1 --reference", base, "law 4");
         return;
     }
+    double bound = stated_bound(base);
+    rough_comparisons += is_rough(bound);
+    if (is_rough(bound)) return;
+    close_comparisons++;
     law_result exact = law_run(picture, "%s then %s -j 1 --reference", variant->words, format);
     int farthest = code_distance(base, &exact);
-    CHECK(farthest <= 1, "law 4: %s then %s on %s: %d codes from the reference", variant->words, format, picture->name,
-          farthest);
+    CHECK(farthest <= (bound > 0 && strstr(format, "16") ? 257 : 1),
+          "law 4: %s then %s on %s: %d codes from the reference", variant->words, format, picture->name, farthest);
     free(exact.bytes);
 }
 
@@ -74,14 +100,19 @@ static uint32_t float_distance(float a, float b) {
 }
 
 static void check_reference_floats(const law_picture *picture, const law_variant *variant) {
-    law_result fast = law_run(picture, "%s then pfm -j 1", variant->words);
+    law_result fast = law_run(picture, "%s then pfm -j 1 --explain", variant->words);
+    double bound = stated_bound(&fast), room = relative_room(bound);
+    if (is_rough(bound)) {
+        free(fast.bytes);
+        return;
+    }
     law_result exact = law_run(picture, "%s then pfm -j 1 --reference", variant->words);
     size_t count = 0, exact_count = 0;
     float *a = law_read_pfm(&fast, &count), *b = law_read_pfm(&exact, &exact_count);
     uint32_t farthest = count == exact_count ? 0 : UINT32_MAX;
     for (size_t i = 0; a && b && i < count && count == exact_count; i++) {
         uint32_t distance = float_distance(a[i], b[i]);
-        if (is_spatial(variant) && fabsf(a[i] - b[i]) <= 1e-5f * fabsf(b[i])) distance = 0;
+        if (is_spatial(variant) && fabs((double)a[i] - (double)b[i]) <= room * fabs((double)b[i])) distance = 0;
         farthest = distance > farthest ? distance : farthest;
     }
     CHECK(a && b && farthest <= 2, "law 4: %s on %s: %u floats from the reference", variant->words, picture->name,
@@ -101,7 +132,7 @@ static void test_settings(void) {
             const law_picture *picture = &law_pictures[p];
             const law_variant *variant = &law_variants[v];
             for (int f = 0; f < 3; f++) {
-                law_result base = law_run(picture, "%s then %s -j 1", variant->words, formats[f]);
+                law_result base = law_run(picture, "%s then %s -j 1 --explain", variant->words, formats[f]);
                 CHECK(base.status == HDR_OK, "%s on %s: %s", variant->words, picture->name, base.message);
                 int settings = variant->values == 0 && !picture->few ? 4 : 1;
                 for (int s = 0; s < settings; s++)
@@ -122,12 +153,14 @@ static void check_pair(const law_picture *picture, const law_variant *first, con
     static const char *const settings[] = {"-j 1 --no-skip", "-j 1 --reference", "-j 2"};
     char chain[500];
     snprintf(chain, sizeof chain, "%s then %s", first->words, second->words);
-    law_result base = law_run(picture, "%s then png -j 1", chain);
+    law_result base = law_run(picture, "%s then png -j 1 --explain", chain);
+    bool rough = is_rough(stated_bound(&base));
     CHECK(base.status == HDR_OK || (base.status == HDR_BAD_DATA && strstr(base.message, "encoded already")),
           "%s on %s: %s", chain, picture->name, base.message);
     for (int s = 0; base.status == HDR_OK && s < 3; s++) {
-        law_result other = law_run(picture, "%s then png %s", chain, settings[s]);
         bool nearly = strstr(settings[s], "--reference") && (is_spatial(first) || is_spatial(second));
+        if (nearly && rough) continue;
+        law_result other = law_run(picture, "%s then png %s", chain, settings[s]);
         CHECK(nearly ? code_distance(&base, &other) <= 1 : law_same(&base, &other),
               "%s then png %s on %s: other bytes (status %d)", chain, settings[s], picture->name, (int)other.status);
         free(other.bytes);
@@ -468,6 +501,8 @@ int main(int argc, char **argv) {
     test_settings();
     test_pairs();
     test_finite();
+    CHECK(close_comparisons > rough_comparisons, "law 4: %lu comparisons of spatial verbs, %lu are left out",
+          close_comparisons, rough_comparisons);
     printf("%d variants of verbs, %d pictures; law 5: %lu of %lu codes change, by 1\n", law_variant_count,
            law_picture_count, changed_codes, compared_codes);
     for (int p = 0; p < law_picture_count; p++) {
