@@ -19,7 +19,8 @@ typedef struct hdr_bilateral {
 
 /* What was computed, for --explain. */
 typedef struct hdr_bilateral_report {
-    uint64_t cells, used; /* of a grid: as many as the range would take, and those that were stored */
+    uint64_t cells, used; /* of a grid, or of the piecewise method's i_j: as many as the range would take, and as many
+                             as some number needs */
     int segments;         /* of the piecewise method */
 } hdr_bilateral_report;
 
@@ -48,6 +49,18 @@ double hdr_grid_bound(const hdr_bilateral *filter, const hdr_plane *plane, doubl
 
 /* A grid takes no more bytes than that. */
 #define HDR_GRID_BYTES 2e9
+
+/* By the paper's own fast algorithm, PiecewiseBilateral: between values of intensity at most sigma_r apart, for which
+ * the filter is computed at every pixel, on a picture of every `subsample`-th pixel. Narrow planes; the base takes the
+ * plane's place. */
+hdr_status hdr_bilateral_piecewise(const hdr_bilateral *filter, int subsample, hdr_plane *plane, hdr_pool *pool,
+                                   hdr_bilateral_report *report, hdr_error *err);
+
+/* No base of it is wrong by more than that many sigma_r; nor, of course, by more than the plane's range. */
+double hdr_piecewise_bound(int subsample, double sigma_s);
+
+/* 1 to 25, so that sigma_s becomes 2 to 3 samples, where that can be. */
+int hdr_piecewise_subsample(double sigma_s);
 
 /* The cheapest way to a tolerance, in the plane's unit, of grids of several sizes and of a sum that is cut where what
  * lies beyond does not matter; or of either kind, if only one may be taken. Where nothing keeps it, the most accurate.

@@ -24,6 +24,33 @@ double hdr_grid_bound(const hdr_bilateral *filter, const hdr_plane *plane, doubl
     return apart / 1440 * (fourth(apart / deep) + 0.15 * fourth(d / across)) * filter->sigma_r;
 }
 
+/* Without subsampling the error is that of linear interpolation between the J_j, and largest where a pixel stands
+ * between two crowds, darker and brighter, so that one node sees the one and the next the other. With M the weight of
+ * all other pixels, that of the pixel being 1, a search among up to three crowds of any weights and places finds
+ *     M            0.1    1      6.3   25    160   630   3.7e4  1e6   1e8   2e9
+ *     sigma_r      0.015  0.088  0.21  0.44  0.90  1.31  2.56   3.54  4.82  5.60
+ * which is 0.10 to 0.26 of ln(1 + M); and f adds up to no more than 1 + sqrt(2 pi) sigma_s in x and in y. In 20000
+ * scenes at random (tests/unit/test_piecewise.c: crowds, fireflies, ramps, steps and noise of 1 to 12 decades) the
+ * farthest base is 1.1 sigma_r off, and none is off by more than 0.56 of the bound.
+ *
+ * With subsampling nothing is certain: a pixel is not seen unless it is sampled, and one that is not, between 3 and
+ * 13 sigma_r from those that are, takes their base.
+ *
+ * Of pixels of photographs, half of them local extremes, sigma_s = 0.02 of the larger side, in sigma_r:
+ *     picture       range  subsample         largest         1 in 1000         root mean square
+ *     CandleGlass   9.3    1,  8 (auto), 25  0.38, 4.9, 8.2  0.11,  0.81, 3.7  0.011,  0.091, 0.22
+ *     Carrots       3.0    1,  5 (auto), 25  0.07, 0.4, 1.3  0.064, 0.25, 1.1  0.011,  0.029, 0.23
+ *     Desk          8.7    1,  7 (auto), 25  0.12, 2.1, 3.2  0.10,  1.0,  2.6  0.020,  0.088, 0.32
+ *     GoldenGate    5.5    1, 10 (auto), 25  0.19, 1.9, 3.0  0.055, 0.26, 0.41 0.0068, 0.036, 0.073 */
+double hdr_piecewise_bound(int subsample, double sigma_s) {
+    return subsample > 1 ? INFINITY : 0.3 * 2 * hdr_log(1 + 2.5066282746310002 * sigma_s);
+}
+
+int hdr_piecewise_subsample(double sigma_s) {
+    double subsample = floor(sigma_s / 2.5 + 0.5);
+    return subsample < 1 ? 1 : subsample > 25 ? 25 : (int)subsample;
+}
+
 /* Nanoseconds on one core of a machine of 2020, roughly: only their proportions matter. */
 static double grid_cost(const hdr_bilateral *f, const hdr_plane *plane, double across, double deep) {
     double columns = plane->width * across / f->sigma_s + 4, rows = plane->height * across / f->sigma_s + 4;
@@ -69,6 +96,8 @@ static hdr_bilateral_choice choose_grid(const hdr_bilateral *filter, const hdr_p
     return best;
 }
 
+/* The piecewise method is not among them: a tolerance that its bound keeps, some tenths of sigma_r, is kept tenfold by
+ * a grid that costs less. */
 hdr_bilateral_choice hdr_bilateral_choose(const hdr_bilateral *filter, const hdr_plane *plane, double tolerance,
                                           bool only_grid, bool only_direct) {
     hdr_bilateral_choice direct = {.reach = 1};

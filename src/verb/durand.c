@@ -14,7 +14,7 @@
 typedef struct durand_params {
     int intensity, method, show;
     const char *sigma_s; /* as typed: a fraction, or pixels */
-    hdr_number sigma_r, contrast, tolerance;
+    hdr_number sigma_r, contrast, tolerance, subsample;
     hdr_decimal percentile;
     hdr_number saturation;
 } durand_params;
@@ -24,8 +24,9 @@ static const char *const intensities[] = {"rec709", "durand", NULL};
 #define HDR_LOG2_10 3.3219280948873623
 enum { SHOW_PICTURE, SHOW_BASE, SHOW_DETAIL };
 static const char *const shows[] = {"picture", "base", "detail", NULL};
-enum { METHOD_AUTO, METHOD_GRID, METHOD_EXACT, METHOD_DIRECT };
-static const char *const methods[] = {"auto", "grid", "exact", "direct", NULL};
+enum { METHOD_AUTO, METHOD_GRID, METHOD_EXACT, METHOD_DIRECT, METHOD_PIECEWISE };
+static const char *const methods[] = {"auto", "grid", "exact", "direct", "piecewise", NULL};
+static const char *const automatic[] = {"auto", NULL};
 
 static const hdr_option options[] = {
     {.name = "sigma-s",
@@ -81,6 +82,15 @@ static const hdr_option options[] = {
      .max = 10,
      .default_value = "0.001",
      .help = "how far the base layer may be from the exact one, in units of log10"},
+    {.name = "subsample",
+     .type = HDR_OPTION_INTEGER,
+     .offset = offsetof(durand_params, subsample),
+     .metavar = "K",
+     .min = 1,
+     .max = 1000,
+     .words = automatic,
+     .default_value = "auto",
+     .help = "piecewise: on every K-th pixel; auto: 1 to 25, so that sigma-s becomes 2 to 3 of them"},
     {.name = "show",
      .type = HDR_OPTION_CHOICE,
      .offset = offsetof(durand_params, show),
@@ -118,7 +128,9 @@ static double sigma_in_pixels(const char *text, double larger_side) {
 
 static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
     const durand_params *p = params;
-    (void)given;
+    for (int i = 0; i < given->count; i++)
+        if (!strcmp(given->given[i].option->name, "subsample") && p->method != METHOD_PIECEWISE)
+            return hdr_fail(err, HDR_USAGE, "--subsample has no meaning with --method %s", methods[p->method]);
     if (sigma_in_pixels(p->sigma_s, 1000) == 0)
         return hdr_fail(err, HDR_USAGE,
                         "--sigma-s: '%.100s' is neither a fraction (1e-06 to 10) nor pixels (0.1px to 1000000px)",
@@ -230,6 +242,20 @@ static hdr_status take_logarithms(void *context, int y, int thread, hdr_error *e
     return HDR_OK;
 }
 
+static hdr_status filter_piecewise(const durand_params *p, const hdr_bilateral *bilateral, hdr_surroundings *with,
+                                   hdr_plane *plane, hdr_error *err) {
+    int subsample = p->subsample.word < 0 ? (int)p->subsample.value : hdr_piecewise_subsample(bilateral->sigma_s);
+    double bound = hdr_piecewise_bound(subsample, bilateral->sigma_s) * bilateral->sigma_r;
+    double range = bilateral->high - bilateral->low;
+    hdr_bilateral_report report = {0};
+    hdr_status status = hdr_bilateral_piecewise(bilateral, subsample, plane, with->pool, &report, err);
+    snprintf(with->note, sizeof with->note,
+             "piecewise linear in %d segments, subsampled by %d, within %.2g: %llu of %llu values", report.segments,
+             subsample, bound < range ? bound : range, (unsigned long long)report.used,
+             (unsigned long long)report.cells);
+    return status;
+}
+
 /* What is done with a plane of logarithms. */
 static hdr_status filter(const durand_params *p, const hdr_bilateral *bilateral, hdr_surroundings *with,
                          hdr_plane *plane, hdr_error *err) {
@@ -237,6 +263,7 @@ static hdr_status filter(const durand_params *p, const hdr_bilateral *bilateral,
         snprintf(with->note, sizeof with->note, "the exact sum, %d standard deviations wide", HDR_EXACT_REACH);
         return hdr_bilateral_exact(bilateral, HDR_EXACT_REACH, plane, plane, with->pool, err);
     }
+    if (p->method == METHOD_PIECEWISE) return filter_piecewise(p, bilateral, with, plane, err);
     hdr_bilateral_choice choice = hdr_bilateral_choose(bilateral, plane, p->tolerance.value, p->method == METHOD_GRID,
                                                        p->method == METHOD_DIRECT);
     hdr_bilateral_report report = {0};
@@ -351,7 +378,8 @@ static hdr_status surround(hdr_step *step, hdr_surroundings *with, hdr_error *er
  * that is asked for is the finest where none keeps the tolerance. */
 static double bound(const void *params) {
     const durand_params *p = params;
-    double finest = 1e-3 * p->sigma_r.value; /* of the largest pictures */
+    if (p->method == METHOD_PIECEWISE) return INFINITY; /* it may miss what is not sampled */
+    double finest = 1e-3 * p->sigma_r.value;            /* of the largest pictures */
     double base = p->method == METHOD_EXACT ? 0 : p->tolerance.value > 1e-5 ? p->tolerance.value : 1e-5; /* in float */
     if (p->method == METHOD_GRID && finest > base) base = finest;
     return hdr_pow(10, 2 * base) - 1;
