@@ -4,7 +4,8 @@
 
 #include <math.h>
 
-enum { MOST_ACROSS = 8, MOST_DEEP = 14 };
+/* Coarser ones would do for the bound where crowds are small, but their usual error would be felt in codes. */
+enum { LEAST_ACROSS = 3, MOST_ACROSS = 8, LEAST_DEEP = 4, MOST_DEEP = 14 };
 
 static double fourth(double x) {
     return x * x * x * x;
@@ -84,8 +85,8 @@ static hdr_bilateral_choice choose_grid(const hdr_bilateral *filter, const hdr_p
                                         double *cost) {
     hdr_bilateral_choice best = {.grid = true, .bound = INFINITY};
     *cost = INFINITY;
-    for (int across = 2; across <= MOST_ACROSS; across++)
-        for (int deep = 2; deep <= MOST_DEEP; deep++) {
+    for (int across = LEAST_ACROSS; across <= MOST_ACROSS; across++)
+        for (int deep = LEAST_DEEP; deep <= MOST_DEEP; deep++) {
             if (is_too_large(filter, plane, across, deep)) continue;
             double bound = hdr_grid_bound(filter, plane, across, deep), own = grid_cost(filter, plane, across, deep);
             bool better = bound <= tolerance ? best.bound > tolerance || own < *cost : bound < best.bound;
