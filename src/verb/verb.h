@@ -124,7 +124,14 @@ typedef struct hdr_surroundings {
     hdr_pool *pool;
     uint64_t memory; /* bytes the run may hold pixels in */
     bool reference, no_skip;
-    char note[240]; /* to be filled, for --explain: what was left out */
+    /* Only S of these pixels is wanted, and no constants; a method that computes each by itself may leave out the rest,
+     * and then sets partial. NULL: all. */
+    const hdr_pixel *pixels;
+    int pixel_count;
+    bool partial;
+    char note[240];   /* to be filled, for --explain: what was left out */
+    char method[240]; /* to be filled: how S was computed; empty: there is but one way */
+    double bound;     /* to be filled: no S is farther from the exact one; it is below 0 beforehand: none is stated */
 } hdr_surroundings;
 
 /* What becomes of a linear picture whose primaries are not Rec.709's. */
