@@ -55,8 +55,7 @@ static hdr_status check(const void *params, const hdr_options *given, hdr_error 
     for (const char *c = p->plot; c && *c; c++)
         if (*c == '.' && c > p->plot && c[-1] != '/') ending = c;
     bool svg = ending && !strcmp(ending, ".svg");
-    if (p->plot && !svg) return hdr_fail(err, HDR_USAGE, "--plot: '%.100s' does not end in .svg", p->plot);
-    return HDR_OK;
+    return !p->plot || svg ? HDR_OK : hdr_refuse_text(options, "plot", p->plot, "does not end in .svg", err);
 }
 
 static const char *const examples[] = {"hdr bench durand IN.exr",

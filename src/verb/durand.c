@@ -144,8 +144,7 @@ static hdr_status check_cells(const durand_params *p, const hdr_options *given, 
     double across, deep;
     if (!strcmp(p->cells, "auto")) return HDR_OK;
     if (!read_cells(p->cells, &across, &deep))
-        return hdr_fail(err, HDR_USAGE,
-                        "--cells: '%.100s' is neither AxD with numbers from 2 to 16, such as 3x4, nor auto", p->cells);
+        return hdr_refuse_text(options, "cells", p->cells, "is neither AxD with numbers from 2 to 16, nor auto", err);
     if (p->method != METHOD_GRID) return hdr_fail(err, HDR_USAGE, "--cells has no meaning without --method grid");
     for (int i = 0; i < given->count; i++)
         if (!strcmp(given->given[i].option->name, "tolerance"))
@@ -156,9 +155,8 @@ static hdr_status check_cells(const durand_params *p, const hdr_options *given, 
 static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
     const durand_params *p = params;
     if (sigma_in_pixels(p->sigma_s, 1000) == 0)
-        return hdr_fail(err, HDR_USAGE,
-                        "--sigma-s: '%.100s' is neither a fraction (1e-06 to 10) nor pixels (0.1px to 1000000px)",
-                        p->sigma_s);
+        return hdr_refuse_text(options, "sigma-s", p->sigma_s,
+                               "is neither a fraction (1e-06 to 10) nor pixels (0.1px to 1000000px)", err);
     return check_cells(p, given, err);
 }
 

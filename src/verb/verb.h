@@ -188,6 +188,12 @@ const hdr_verb *hdr_verb_number(int index); /* NULL behind the last */
  * where the name has none. NULL: no format has it. */
 const hdr_verb *hdr_verb_of_file(const char *file_name, const char **ending);
 
+/* ---- What check() says of a text that an option cannot be ---- */
+
+/* HDR_USAGE: "--name: 'text' WHY", and the option's help line. */
+hdr_status hdr_refuse_text(const hdr_option *table, const char *name, const char *text, const char *why,
+                           hdr_error *err);
+
 /* ---- What luminance verbs share ---- */
 
 typedef struct hdr_luminance_params {

@@ -206,14 +206,13 @@ refused 64 '--method' "$hdr" bench durand --method grid $picture
 refused 64 '--tolerance' "$hdr" bench durand --tolerance 0.1 $picture
 refused 64 '--cells' "$hdr" bench durand --cells auto $picture
 refused 64 'two forms' "$hdr" bench --csv --json log $picture
-refused 64 'a plot of another kind' "$hdr" bench --plot "$work/out/a.png" log $picture
 refused 73 'a plot that cannot be' "$hdr" bench --plot "$work/none/a.svg" log $picture
 refused 66 'no such file' "$hdr" bench --plot "$work/out/a.svg" durand "$work/none.exr"
 refused 65 'no picture' "$hdr" bench --plot "$work/out/a.svg" durand tests/run.sh
 refused 65 'encoded twice' "$hdr" bench --plot "$work/out/a.svg" srgb : srgb $picture
 refused 65 '--strict' "$hdr" bench --plot "$work/out/a.svg" log --strict testdata/tiny/specials.exr
 refused 65 'no such part' "$hdr" bench durand --part 7 $picture
-for words in '--repetitions 0' '--repetitions many' '--samples 0' '--limit -1'; do
+for words in '--repetitions 0' '--repetitions many' '--samples 0' '--limit -1' '--plot a.png' '--plot .svg' '--plot b/.svg'; do
     # shellcheck disable=SC2086
     expect_status 64 "$words" "$hdr" bench $words log $picture
     check "$words: its help line" stderr_has "      ${words%% *} "
