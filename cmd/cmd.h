@@ -54,4 +54,7 @@ const char *cmd_plane_name(const hdr_picture *picture, int plane);
 /* stats.c */
 hdr_status cmd_stats(hdr_chain *chain, hdr_error *error);
 
+/* bench.c: the chain behind `hdr bench` */
+hdr_status cmd_bench(hdr_chain *chain, hdr_error *error);
+
 #endif

@@ -15,7 +15,7 @@
 static const struct program {
     const char *name;
     hdr_status (*run)(hdr_chain *chain, hdr_error *error);
-} programs[] = {{"info", cmd_info}, {"stats", cmd_stats}};
+} programs[] = {{"info", cmd_info}, {"stats", cmd_stats}, {"bench", cmd_bench}};
 
 /* ---- Words to standard error ---- */
 
@@ -148,11 +148,17 @@ static hdr_status run_program(const struct program *program, hdr_chain *chain, h
     return program->run(chain, error);
 }
 
+/* What the command line is about. */
+static const hdr_verb_about *chosen_verb(const hdr_chain *chain) {
+    const hdr_verb_about *leader = hdr_chain_leader(chain);
+    return leader ? leader : hdr_chain_last(chain);
+}
+
 static hdr_status run_chain(hdr_chain *chain, hdr_error *error) {
-    const hdr_verb_about *last = hdr_chain_last(chain);
+    const hdr_verb_about *verb = chosen_verb(chain);
     const char *const *files = hdr_chain_files(chain);
     for (size_t i = 0; i < sizeof programs / sizeof *programs; i++)
-        if (strcmp(last->name, programs[i].name) == 0) return run_program(&programs[i], chain, error);
+        if (strcmp(verb->name, programs[i].name) == 0) return run_program(&programs[i], chain, error);
     if (files[0] && files[1])
         return cmd_refuse(error, "one picture at a time: '%.200s' is one file too many", files[1]);
     return deferred(chain) ? defer(chain, error) : compute(chain, error);
@@ -164,7 +170,7 @@ static hdr_status parse_and_run(int count, const char *const words[], hdr_error 
     hdr_chain *chain = hdr_chain_new(error);
     hdr_status status = chain ? hdr_chain_parse(chain, count, words, error) : error->status;
     if (status == HDR_OK && hdr_chain_settings(chain)->help)
-        cmd_print_verb_help(stdout, hdr_chain_last(chain));
+        cmd_print_verb_help(stdout, chosen_verb(chain));
     else if (status == HDR_OK && hdr_chain_settings(chain)->version)
         cmd_print_version();
     else if (status == HDR_OK)

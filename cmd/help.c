@@ -30,6 +30,8 @@ static const struct exit_status {
                      {HDR_CANT_CREATE, "The output cannot be created."},
                      {HDR_IO, "Reading or writing failed; the disk may be full."}};
 
+static const char led_operands[] = "VERB [OPTION...] [then VERB [OPTION...]]... [FILE]";
+
 static const struct kind *kind_of(const hdr_verb_about *verb) {
     for (size_t i = 0; i < KINDS; i++)
         if (kinds[i].kind == verb->kind) return &kinds[i];
@@ -79,7 +81,7 @@ void cmd_print_overview(FILE *to) {
 }
 
 void cmd_print_verb_help(FILE *to, const hdr_verb_about *verb) {
-    fprintf(to, "usage: hdr %s [OPTION...] %s\n", verb->name, kind_of(verb)->operands);
+    fprintf(to, "usage: hdr %s [OPTION...] %s\n", verb->name, verb->leads ? led_operands : kind_of(verb)->operands);
     fprintf(to, "       hdr-%s ...\n\n%s: %s\n", verb->name, verb->name, verb->summary);
     if (verb->options && verb->options->name) {
         fprintf(to, "\nOptions:\n");
@@ -293,8 +295,12 @@ static void print_synopsis(const hdr_verb_about *verb) {
         putchar('\n');
     }
     printf(".Op Ar common-option ...\n");
-    if (verb->kind == HDR_FILTER) printf(".Op Cm then Ar VERB Op Ar OPTION ...\n.Ar ...\n");
-    printf(verb->kind == HDR_PROGRAM ? ".Op Ar FILE ...\n" : ".Op Fl o Ar OUT\n.Op Ar FILE\n");
+    if (verb->leads) printf(".Ar VERB Op Ar OPTION ...\n");
+    if (verb->kind == HDR_FILTER || verb->leads) printf(".Op Cm then Ar VERB Op Ar OPTION ...\n.Ar ...\n");
+    if (verb->leads)
+        printf(".Op Ar FILE\n");
+    else
+        printf(verb->kind == HDR_PROGRAM ? ".Op Ar FILE ...\n" : ".Op Fl o Ar OUT\n.Op Ar FILE\n");
     printf(".Nm hdr-%s\n.Ar ...\n", verb->name);
 }
 

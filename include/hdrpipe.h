@@ -99,7 +99,7 @@ void hdr_option_describe(const hdr_option *option, char *line, size_t size);
 typedef enum hdr_verb_kind {
     HDR_FILTER, /* picture in, picture out */
     HDR_FORMAT, /* ends a chain: writes a file format */
-    HDR_PROGRAM /* ends a chain: reports about the picture (info, stats) */
+    HDR_PROGRAM /* ends a chain: reports about the picture (info, stats); or stands in front of one (bench) */
 } hdr_verb_kind;
 
 /* What there is to know about a verb from outside. */
@@ -111,6 +111,7 @@ typedef struct hdr_verb_about {
         *examples;             /* NULL-ended shell command lines: in them, IN.exr is a picture, OUT.png etc. results */
     const hdr_option *options; /* its own options */
     hdr_verb_kind kind;
+    bool leads; /* a program that stands in front of a chain, without a `then`: bench [OPTION...] VERB [OPTION...] */
 } hdr_verb_about;
 
 /* The verbs, in the order of the manual: index 0, 1, ... until NULL. */
@@ -210,6 +211,9 @@ hdr_output *hdr_output_descriptor(int descriptor, const char *name, hdr_error *e
 /* Memory: after hdr_chain_run the bytes are had from hdr_output_bytes; they belong to the output. */
 hdr_output *hdr_output_memory(hdr_error *err);
 const void *hdr_output_bytes(const hdr_output *output, size_t *size);
+
+/* Bytes of one's own instead of a picture: the output is whole then. */
+hdr_status hdr_output_fill(hdr_output *output, const void *bytes, size_t size, hdr_error *err);
 void hdr_output_free(hdr_output *output);
 
 /* Removes the temporary files of all outputs of this process. May be called in a signal handler, and is for nothing
@@ -230,8 +234,12 @@ void hdr_chain_free(hdr_chain *chain);
 hdr_status hdr_chain_add(hdr_chain *chain, const char *const words[], int count, hdr_error *err);
 
 /* Adds the clauses of a whole command line: VERB [OPTION...] [then VERB [OPTION...]]... [FILE...]. ":" stands for
- * "then" too; "--" makes operands of all that follows. */
+ * "then" too; "--" makes operands of all that follows. A program that leads may stand in front: it is not a clause, and
+ * runs of the chain do not know of it. */
 hdr_status hdr_chain_parse(hdr_chain *chain, int count, const char *const words[], hdr_error *err);
+
+/* The program that leads, or NULL. */
+const hdr_verb_about *hdr_chain_leader(const hdr_chain *chain);
 
 /* The operands that hdr_chain_parse met: NULL-ended; they belong to the caller's words. */
 const char *const *hdr_chain_files(const hdr_chain *chain);
@@ -248,8 +256,25 @@ typedef struct hdr_settings {
 } hdr_settings;
 const hdr_settings *hdr_chain_settings(const hdr_chain *chain);
 
-/* The last clause's verb, NULL for an empty chain. */
+/* The verb of a clause, 1 being the first; NULL: there is none of that number. */
+const hdr_verb_about *hdr_chain_clause(const hdr_chain *chain, int number);
+
+/* What an option of a clause was given as, or of the program that leads, whose number is 0: its text, which has been
+ * checked against the table; "" for a flag. NULL: it was not given. */
+const char *hdr_chain_given(const hdr_chain *chain, int number, const char *name);
+
+/* The last clause's verb; where there is no clause the program that leads, or NULL. */
 const hdr_verb_about *hdr_chain_last(const hdr_chain *chain);
+
+/* The clauses in one line, as a command line has them, with what changes the picture and not how it is computed. Bytes
+ * outside [A-Za-z0-9._,:/@+=-] are %XX. Release it with free(). NULL: out of memory. */
+char *hdr_chain_text(const hdr_chain *chain, hdr_error *err);
+
+/* A chain can be varied: an empty chain with the common options of another; and one of its clauses once more, with
+ * further options, common ones too, behind its own. What was given there may not be given again: HDR_USAGE. */
+hdr_chain *hdr_chain_new_like(const hdr_chain *other, hdr_error *err);
+hdr_status hdr_chain_add_again(hdr_chain *chain, const hdr_chain *other, int number, const char *const words[],
+                               int count, hdr_error *err);
 
 /* Text that a run has to say, line by line. */
 typedef enum hdr_message {
@@ -337,6 +362,35 @@ bool hdr_survey_next(hdr_survey *survey, hdr_stats *together, hdr_error *err);
 /* What is read of the input, from its header alone, with the reading options (--part, --layer, --crop, ...) of a chain,
  * whose clauses do not matter, behind those of the head, if there is one. A chain of NULL has none. */
 hdr_status hdr_input_picture(hdr_input *input, const hdr_chain *chain, hdr_picture *picture, hdr_error *err);
+
+/* ---- Surrounds ------------------------------------------------------------------------------------------------------
+ */
+
+/* A pixel of the data window, whose upper left one is 0,0. */
+typedef struct hdr_pixel {
+    int x, y;
+} hdr_pixel;
+
+/* What a local verb computes around each pixel before it maps it: durand the base layer, as log10 of intensity;
+ * reinhard --local the luminance V_m of its surround. */
+typedef struct hdr_surround {
+    int width, height;      /* of the data window; 0 where values is NULL */
+    const float *luminance; /* what it is computed from, of all pixels, row after row: Y, or what the verb takes for it;
+                               0: not lit */
+    const float *values;    /* of all pixels, row after row; or of those that were asked for, in their order. NULL: the
+                               verb does without, for this picture and its options */
+    double milliseconds;    /* for the surround alone, without reading the picture and mapping it */
+    double bound;           /* no value is farther from the exact one, in the values' unit; below 0: none is stated */
+    bool partial;           /* nothing but the pixels that were asked for was computed, and timed */
+    char method[240];       /* how it was computed: what --explain tells */
+} hdr_surround;
+
+/* Computes the surround of the chain's last clause. count: 0 for all pixels; else those are asked for alone, which is
+ * less work for a method that computes each pixel by itself, and luminance is NULL. The result is independent of chain
+ * and input. NULL: err is filled; HDR_USAGE: that clause's verb has no surround, or there is no such pixel. */
+hdr_surround *hdr_chain_surround(hdr_chain *chain, hdr_input *input, int count, const hdr_pixel pixels[],
+                                 const hdr_listener *listener, hdr_error *err);
+void hdr_surround_free(hdr_surround *surround);
 
 /* ---- Contents -------------------------------------------------------------------------------------------------------
  */

@@ -34,6 +34,7 @@ enum { HDR_PRIMARIES_REC709, HDR_PRIMARIES_KEEP };
 enum { HDR_ADAPT_BRADFORD, HDR_ADAPT_NONE };
 
 struct hdr_chain {
+    hdr_clause leader; /* the program in front; verb is NULL where there is none */
     hdr_clause *clauses;
     int count;
     hdr_common common;

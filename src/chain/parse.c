@@ -166,9 +166,10 @@ hdr_chain *hdr_chain_new(hdr_error *err) {
 
 void hdr_chain_free(hdr_chain *chain) {
     if (!chain) return;
-    for (int i = 0; i < chain->count; i++) {
-        hdr_options_free(&chain->clauses[i].given);
-        free(chain->clauses[i].params);
+    for (int i = -1; i < chain->count; i++) {
+        hdr_clause *clause = i < 0 ? &chain->leader : &chain->clauses[i];
+        hdr_options_free(&clause->given);
+        free(clause->params);
     }
     free(chain->clauses);
     hdr_options_free(&chain->common_given);
@@ -240,8 +241,26 @@ const char *const *hdr_chain_files(const hdr_chain *chain) {
     return chain->files;
 }
 
+const hdr_verb_about *hdr_chain_leader(const hdr_chain *chain) {
+    return chain->leader.verb ? &chain->leader.verb->about : NULL;
+}
+
+const hdr_verb_about *hdr_chain_clause(const hdr_chain *chain, int number) {
+    return number >= 1 && number <= chain->count ? &chain->clauses[number - 1].verb->about : NULL;
+}
+
+const char *hdr_chain_given(const hdr_chain *chain, int number, const char *name) {
+    bool there = number == 0 || hdr_chain_clause(chain, number);
+    const hdr_clause *clause = number == 0 ? &chain->leader : &chain->clauses[number - 1];
+    for (int i = 0; there && i < clause->given.count; i++) {
+        const hdr_given *given = &clause->given.given[i];
+        if (!strcmp(given->option->name, name)) return given->text ? given->text : "";
+    }
+    return NULL;
+}
+
 const hdr_verb_about *hdr_chain_last(const hdr_chain *chain) {
-    return chain->count ? &chain->clauses[chain->count - 1].verb->about : NULL;
+    return chain->count ? hdr_chain_clause(chain, chain->count) : hdr_chain_leader(chain);
 }
 
 /* ---- Words ---- */
@@ -390,8 +409,13 @@ static hdr_status open_clause(hdr_chain *chain, const char *name, hdr_clause **c
     const hdr_verb *verb = hdr_verb_find(name);
     if (!verb && name[0] == '-')
         return hdr_fail(err, HDR_USAGE, "a verb is missing before '%.100s': options come after it", name);
+    if (!verb && chain->leader.verb && !chain->count)
+        return hdr_fail(err, HDR_USAGE, "'%.100s' is no verb: hdr %s VERB [OPTION...] FILE", name,
+                        chain->leader.verb->about.name);
     if (!verb) return hdr_fail(err, HDR_USAGE, "unknown verb '%.100s'; hdr --help lists them", name);
-    const hdr_verb_about *last = hdr_chain_last(chain);
+    const hdr_verb_about *last = hdr_chain_clause(chain, chain->count);
+    if (verb->about.leads && hdr_chain_last(chain))
+        return hdr_fail(err, HDR_USAGE, "%s stands in front of a chain: hdr %s VERB ...", name, name);
     if (last && last->kind != HDR_FILTER)
         return hdr_fail(err, HDR_USAGE, "nothing can come after %s, which ends a chain", last->name);
     hdr_clause *clauses = hdr_grow(chain->clauses, (size_t)chain->count + 1, sizeof *clauses);
@@ -400,7 +424,7 @@ static hdr_status open_clause(hdr_chain *chain, const char *name, hdr_clause **c
     void *params = hdr_alloc(1, verb->params_size);
     if (!params) return hdr_fail(err, HDR_INTERNAL, "out of memory");
     hdr_options_default(verb->about.options, params);
-    *clause = &clauses[chain->count++];
+    *clause = verb->about.leads ? &chain->leader : &clauses[chain->count++];
     **clause = (hdr_clause){.verb = verb, .params = params};
     return HDR_OK;
 }
@@ -461,14 +485,20 @@ static hdr_status read_word(hdr_chain *chain, hdr_clause *clause, words *from, a
     return hdr_fail(err, HDR_USAGE, "'%.100s' is no option", word);
 }
 
-/* One clause, up to a `then` or the end. */
+/* Options of a program that leads are followed by a verb, all else by a `then`. */
+static bool ends_clause(const hdr_clause *clause, const char *word) {
+    return clause->verb->about.leads ? word[0] != '-' : is_then(word);
+}
+
+/* One clause, up to where the next begins, or the end. */
 static hdr_status read_clause(hdr_chain *chain, words *from, allowed what, hdr_error *err) {
     hdr_clause *clause = NULL;
     hdr_error own = {0};
     hdr_status status = open_clause(chain, from->word[from->next++], &clause, err);
     if (status) return status;
     bool options = true;
-    while (!status && from->next < from->count && !(options && what == ALL_WORDS && is_then(from->word[from->next])))
+    while (!status && from->next < from->count &&
+           !(options && what == ALL_WORDS && ends_clause(clause, from->word[from->next])))
         status = read_word(chain, clause, from, what, &options, &own);
     if (!status) status = close_clause(clause, &own);
     if (!status) return HDR_OK;
@@ -498,8 +528,10 @@ hdr_status hdr_chain_parse(hdr_chain *chain, int count, const char *const word[]
             return hdr_fail(err, HDR_USAGE, count ? "a verb is missing after '%s'" : "a verb is missing%s",
                             count ? word[count - 1] : "");
         hdr_status status = read_clause(chain, &from, ALL_WORDS, err);
-        if (status || from.next >= from.count) return status;
-        from.next++; /* then */
+        if (status) return status;
+        bool answered = chain->common.help || chain->common.version; /* without a chain */
+        if (from.next >= from.count && (chain->count || answered)) return HDR_OK;
+        if (chain->count) from.next++; /* then */
     }
 }
 

@@ -135,7 +135,10 @@ static hdr_status provide_surround(planning *p, int number, const hdr_clause *cl
                              .luminance = p->luminance,
                              .pool = run->pool,
                              .reference = run->settings.reference,
-                             .no_skip = run->settings.no_skip};
+                             .no_skip = run->settings.no_skip,
+                             .bound = -1};
+    const hdr_look *look = number == run->chain->count ? run->look : NULL;
+    if (look && hdr_look_before(look, &with, err)) return err->status;
     double started = hdr_milliseconds();
     hdr_status status = clause->verb->surround(step, &with, err);
     if (!status && with.too_wide) {
@@ -148,6 +151,7 @@ static hdr_status provide_surround(planning *p, int number, const hdr_clause *cl
         with.luminance = p->luminance;
         if (!status) status = clause->verb->surround(step, &with, err);
     }
+    if (look && !status) status = hdr_look_after(look, &with, hdr_milliseconds() - started, err);
     if (with.surround) run->surrounds[run->surround_count++] = with.surround;
     if (with.surround != p->luminance) hdr_plane_free(p->luminance);
     p->luminance = NULL;
@@ -391,11 +395,11 @@ static hdr_status with_name(hdr_error *err, const hdr_error *own, hdr_input *inp
     return hdr_fail(err, own->status, "%s %s", prefix.message, own->message);
 }
 
-/* What is done with a planned chain. */
+/* What is done with a planned chain; NULL: nothing more. */
 typedef hdr_status (*finish)(planning *p, void *context, hdr_error *err);
 
-static hdr_status run_chain(hdr_chain *chain, hdr_input *input, const hdr_listener *listener, finish end, void *context,
-                            hdr_error *err) {
+static hdr_status run_chain(hdr_chain *chain, hdr_input *input, const hdr_listener *listener, hdr_look *look,
+                            finish end, void *context, hdr_error *err) {
     hdr_error own = {0};
     hdr_chain *whole = hdr_chain_behind_head(chain, input, &own);
     hdr_status status = own.status;
@@ -405,8 +409,9 @@ static hdr_status run_chain(hdr_chain *chain, hdr_input *input, const hdr_listen
         hdr_run run;
         status = hdr_run_open(&run, whole, input, listener && listener->say ? &chosen : NULL, &own);
         planning p = {.run = &run};
+        run.look = look;
         if (!status) status = plan_filters(&p, &own);
-        if (!status) status = end(&p, context, &own);
+        if (!status && end) status = end(&p, context, &own);
         if (!status) report_missing(&run);
         if (!status) report_more(&run);
         hdr_plane_free(p.luminance);
@@ -429,7 +434,7 @@ hdr_status hdr_chain_run(hdr_chain *chain, hdr_input *input, hdr_output *output,
     /* a chain that cannot end so is refused before anything is read */
     const hdr_verb *format = NULL;
     hdr_status status = choose_format(chain, output, &format, err);
-    return status ? status : run_chain(chain, input, listener, finish_writing, output, err);
+    return status ? status : run_chain(chain, input, listener, NULL, finish_writing, output, err);
 }
 
 typedef struct user {
@@ -444,7 +449,12 @@ static hdr_status finish_using(planning *p, void *context, hdr_error *err) {
 
 hdr_status hdr_chain_use(hdr_chain *chain, hdr_input *input, const hdr_listener *listener, hdr_use use, void *context,
                          hdr_error *err) {
-    return run_chain(chain, input, listener, finish_using, &(user){use, context}, err);
+    return run_chain(chain, input, listener, NULL, finish_using, &(user){use, context}, err);
+}
+
+hdr_status hdr_chain_look(hdr_chain *chain, hdr_input *input, const hdr_listener *listener, hdr_look *look,
+                          hdr_error *err) {
+    return run_chain(chain, input, listener, look, NULL, NULL, err);
 }
 
 hdr_status hdr_input_picture(hdr_input *input, const hdr_chain *chain, hdr_picture *picture, hdr_error *err) {

@@ -35,8 +35,16 @@ typedef struct hdr_thread {
     unsigned char *samples; /* a band */
 } hdr_thread;
 
+/* What somebody wants to see of the surround of the chain's last clause. */
+typedef struct hdr_look {
+    const hdr_pixel *pixels; /* or NULL: all */
+    int count;
+    hdr_surround *seen; /* to be filled */
+} hdr_look;
+
 typedef struct hdr_run {
     const hdr_chain *chain;
+    hdr_look *look; /* or NULL */
     hdr_settings settings;
     const hdr_listener *listener;
     hdr_input *input;
@@ -119,6 +127,16 @@ typedef hdr_status (*hdr_use)(hdr_run *run, const char *state, bool converted, v
 /* Plans the chain, behind the input's head, and calls `use`. */
 hdr_status hdr_chain_use(hdr_chain *chain, hdr_input *input, const hdr_listener *listener, hdr_use use, void *context,
                          hdr_error *err);
+
+/* Plans the chain, and nothing else, with a look at the surround of its last clause. */
+hdr_status hdr_chain_look(hdr_chain *chain, hdr_input *input, const hdr_listener *listener, hdr_look *look,
+                          hdr_error *err);
+
+/* ---- surround.c ---- */
+
+/* Before the surround is computed, and after: what is seen of it. */
+hdr_status hdr_look_before(const hdr_look *look, hdr_surroundings *with, hdr_error *err);
+hdr_status hdr_look_after(const hdr_look *look, const hdr_surroundings *with, double milliseconds, hdr_error *err);
 
 /* ---- alpha.c ---- */
 

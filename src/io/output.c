@@ -374,6 +374,11 @@ hdr_status hdr_output_restart(hdr_output *output, hdr_error *err) {
     return HDR_OK;
 }
 
+hdr_status hdr_output_fill(hdr_output *output, const void *bytes, size_t size, hdr_error *err) {
+    hdr_status status = hdr_output_write(output, bytes, size, 0, err);
+    return status == HDR_OK ? hdr_output_commit(output, err) : status;
+}
+
 static hdr_status commit_file(hdr_output *output, hdr_error *err) {
     hdr_status status = close_descriptor(output, err);
     if (status != HDR_OK) return status;

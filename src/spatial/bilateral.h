@@ -32,9 +32,6 @@ hdr_status hdr_bilateral_exact(const hdr_bilateral *filter, double reach, const 
                                hdr_pool *pool, hdr_error *err);
 
 /* The same of some pixels. */
-typedef struct hdr_pixel {
-    int x, y;
-} hdr_pixel;
 hdr_status hdr_bilateral_exact_at(const hdr_bilateral *filter, double reach, const hdr_plane *plane, int count,
                                   const hdr_pixel *pixels, double *values, hdr_pool *pool, hdr_error *err);
 

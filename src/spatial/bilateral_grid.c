@@ -257,6 +257,7 @@ static bool lay_out(grid *g) {
     g->stride = 2 * (size_t)g->stored;
     g->row_size = ((size_t)g->columns * g->stride + HDR_PIECE - 1) / HDR_PIECE * HDR_PIECE;
     g->cells_size = (size_t)g->rows * g->row_size * sizeof *g->cells;
+    if (g->cells_size > hdr_memory_default()) return false; /* more than it may be, whatever the system promises */
     g->cells = hdr_alloc_pages(g->cells_size);
     if (g->cells) memset(g->cells, 0, g->cells_size);
     double flat = g->filter->sigma_s / g->across, range = g->filter->sigma_r / g->deep;

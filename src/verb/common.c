@@ -14,3 +14,10 @@ hdr_status hdr_check_linear(const hdr_scene *scene, bool force, hdr_error *err) 
                     "the picture is encoded already (%s): decode it first (--decode), or insist with --force",
                     scene->state);
 }
+
+hdr_status hdr_refuse_text(const hdr_option *table, const char *name, const char *text, const char *why,
+                           hdr_error *err) {
+    char line[400];
+    hdr_option_describe(hdr_option_find(table, name), line, sizeof line);
+    return hdr_fail(err, HDR_USAGE, "--%s: '%.100s' %s\n%s", name, text, why, line);
+}

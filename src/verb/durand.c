@@ -13,7 +13,7 @@
 
 typedef struct durand_params {
     int intensity, method, show;
-    const char *sigma_s; /* as typed: a fraction, or pixels */
+    const char *sigma_s, *cells; /* as typed: a fraction, or pixels; and AxD, or auto */
     hdr_number sigma_r, contrast, tolerance, subsample;
     hdr_decimal percentile;
     hdr_number saturation;
@@ -91,6 +91,12 @@ static const hdr_option options[] = {
      .words = automatic,
      .default_value = "auto",
      .help = "piecewise: on every K-th pixel; auto: 1 to 25, so that sigma-s becomes 2 to 3 of them"},
+    {.name = "cells",
+     .type = HDR_OPTION_TEXT,
+     .offset = offsetof(durand_params, cells),
+     .metavar = "AxD",
+     .default_value = "auto",
+     .help = "grid: cells of sigma-s / A by sigma-r / D, each from 2 to 16 (3x4); auto: by --tolerance"},
     {.name = "show",
      .type = HDR_OPTION_CHOICE,
      .offset = offsetof(durand_params, show),
@@ -126,16 +132,45 @@ static double sigma_in_pixels(const char *text, double larger_side) {
     return sigma > 0.1 ? sigma : 0.1;
 }
 
+/* One of the two numbers; `end` must stand behind it. */
+static const char *read_cell(const char *text, char end, double *number) {
+    char digits[32];
+    size_t length = strcspn(text, "x");
+    if (length >= sizeof digits || text[length] != end) return NULL;
+    memcpy(digits, text, length);
+    digits[length] = '\0';
+    const char *behind = hdr_read_number(digits, number);
+    return behind && !*behind && *number >= 2 && *number <= 16 ? text + length : NULL;
+}
+
+/* AxD: the cells of a grid. False: the text is none. */
+static bool read_cells(const char *text, double *across, double *deep) {
+    const char *behind = read_cell(text, 'x', across);
+    return behind && read_cell(behind + 1, '\0', deep);
+}
+
+/* Cells belong to the grid, and stand for a tolerance. */
+static hdr_status check_cells(const durand_params *p, const hdr_options *given, hdr_error *err) {
+    double across, deep;
+    if (!strcmp(p->cells, "auto")) return HDR_OK;
+    if (!read_cells(p->cells, &across, &deep))
+        return hdr_refuse_text(options, "cells", p->cells, "is neither AxD with numbers from 2 to 16, nor auto", err);
+    if (p->method != METHOD_GRID) return hdr_fail(err, HDR_USAGE, "--cells has no meaning without --method grid");
+    for (int i = 0; i < given->count; i++)
+        if (!strcmp(given->given[i].option->name, "tolerance"))
+            return hdr_fail(err, HDR_USAGE, "--tolerance has no meaning with --cells %.100s", p->cells);
+    return HDR_OK;
+}
+
 static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
     const durand_params *p = params;
     for (int i = 0; i < given->count; i++)
         if (!strcmp(given->given[i].option->name, "subsample") && p->method != METHOD_PIECEWISE)
             return hdr_fail(err, HDR_USAGE, "--subsample has no meaning with --method %s", methods[p->method]);
     if (sigma_in_pixels(p->sigma_s, 1000) == 0)
-        return hdr_fail(err, HDR_USAGE,
-                        "--sigma-s: '%.100s' is neither a fraction (1e-06 to 10) nor pixels (0.1px to 1000000px)",
-                        p->sigma_s);
-    return HDR_OK;
+        return hdr_refuse_text(options, "sigma-s", p->sigma_s,
+                               "is neither a fraction (1e-06 to 10) nor pixels (0.1px to 1000000px)", err);
+    return check_cells(p, given, err);
 }
 
 /* I = (20 R + 40 G + B) / 61: Durand's web page about the paper. */
@@ -253,6 +288,27 @@ static hdr_status filter_piecewise(const durand_params *p, const hdr_bilateral *
              "piecewise linear in %d segments, subsampled by %d, within %.2g: %llu of %llu values", report.segments,
              subsample, bound < range ? bound : range, (unsigned long long)report.used,
              (unsigned long long)report.cells);
+    with->bound = bound < range ? bound : range;
+    return status;
+}
+
+/* The sum: of all pixels, or in their places of those alone that are wanted. */
+static hdr_status sum_directly(const hdr_bilateral *bilateral, double reach, hdr_surroundings *with, hdr_plane *plane,
+                               hdr_error *err) {
+    if (!with->pixels) return hdr_bilateral_exact(bilateral, reach, plane, plane, with->pool, err);
+    double *values = hdr_alloc((size_t)with->pixel_count, sizeof *values);
+    if (!values) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+    hdr_status status =
+        hdr_bilateral_exact_at(bilateral, reach, plane, with->pixel_count, with->pixels, values, with->pool, err);
+    for (int i = 0; i < with->pixel_count && status == HDR_OK; i++) {
+        size_t at = (size_t)with->pixels[i].y * plane->stride + (size_t)with->pixels[i].x;
+        if (plane->wide)
+            plane->wide[at] = values[i];
+        else
+            plane->narrow[at] = (float)values[i];
+    }
+    with->partial = true;
+    free(values);
     return status;
 }
 
@@ -261,12 +317,16 @@ static hdr_status filter(const durand_params *p, const hdr_bilateral *bilateral,
                          hdr_plane *plane, hdr_error *err) {
     if (with->reference || p->method == METHOD_EXACT) {
         snprintf(with->note, sizeof with->note, "the exact sum, %d standard deviations wide", HDR_EXACT_REACH);
-        return hdr_bilateral_exact(bilateral, HDR_EXACT_REACH, plane, plane, with->pool, err);
+        with->bound = 0;
+        return sum_directly(bilateral, HDR_EXACT_REACH, with, plane, err);
     }
     if (p->method == METHOD_PIECEWISE) return filter_piecewise(p, bilateral, with, plane, err);
     hdr_bilateral_choice choice = hdr_bilateral_choose(bilateral, plane, p->tolerance.value, p->method == METHOD_GRID,
                                                        p->method == METHOD_DIRECT);
     hdr_bilateral_report report = {0};
+    if (read_cells(p->cells, &choice.across, &choice.deep))
+        choice.bound = hdr_grid_bound(bilateral, plane, choice.across, choice.deep);
+    with->bound = choice.bound;
     if (choice.grid) {
         hdr_status status = hdr_bilateral_grid(bilateral, choice.across, choice.deep, plane, with->pool, &report, err);
         snprintf(with->note, sizeof with->note,
@@ -276,7 +336,7 @@ static hdr_status filter(const durand_params *p, const hdr_bilateral *bilateral,
     }
     snprintf(with->note, sizeof with->note, "direct sum, %.3g standard deviations wide, within %.2g", choice.reach,
              choice.bound);
-    return hdr_bilateral_exact(bilateral, choice.reach, plane, plane, with->pool, err);
+    return sum_directly(bilateral, choice.reach, with, plane, err);
 }
 
 /* c = min(1, log10(contrast) / (hi - lo)), with lo and hi the percentiles of the base over lit pixels. */
@@ -315,11 +375,14 @@ static hdr_status surround(hdr_step *step, hdr_surroundings *with, hdr_error *er
                                .sigma_r = p->sigma_r.value,
                                .no_skip = with->no_skip};
     if (status == HDR_OK) status = hdr_plane_range(with->surround, &bilateral.low, &bilateral.high, with->pool, err);
-    if (status == HDR_OK && bilateral.high == bilateral.low && !with->no_skip)
+    if (status == HDR_OK && bilateral.high == bilateral.low && !with->no_skip) {
         snprintf(with->note, sizeof with->note, "one intensity everywhere: the base is what it is");
-    else if (status == HDR_OK)
+        with->bound = 0;
+    } else if (status == HDR_OK) {
         status = filter(p, &bilateral, with, with->surround, err);
-    if (status == HDR_OK) status = compress(p, with->surround, l.mask, facts->lit, step, with, err);
+    }
+    memcpy(with->method, with->note, sizeof with->method);
+    if (status == HDR_OK && !with->pixels) status = compress(p, with->surround, l.mask, facts->lit, step, with, err);
     free(l.mask);
     return status;
 }

@@ -122,8 +122,15 @@ typedef struct hdr_surroundings {
     hdr_plane *surround;  /* to be filled: a new plane of that size, which the chain frees, or `luminance` itself */
     hdr_pool *pool;
     bool reference, no_skip;
-    bool too_wide;  /* set it where these luminances are nothing for float: then it is called again with a wide plane */
-    char note[240]; /* to be filled, for --explain: what was left out */
+    bool too_wide; /* set it where these luminances are nothing for float: then it is called again with a wide plane */
+    /* Only S of these pixels is wanted, and no constants; a method that computes each by itself may leave out the rest,
+     * and then sets partial. NULL: all. */
+    const hdr_pixel *pixels;
+    int pixel_count;
+    bool partial;
+    char note[240];   /* to be filled, for --explain: what was left out */
+    char method[240]; /* to be filled: how S was computed; empty: there is but one way */
+    double bound;     /* to be filled: no S is farther from the exact one; it is below 0 beforehand: none is stated */
 } hdr_surroundings;
 
 /* What becomes of a linear picture whose primaries are not Rec.709's. */
@@ -181,6 +188,12 @@ const hdr_verb *hdr_verb_number(int index); /* NULL behind the last */
 /* The format that a file's name calls for by its ending, in any case of letters. *ending: where that begins, or NULL
  * where the name has none. NULL: no format has it. */
 const hdr_verb *hdr_verb_of_file(const char *file_name, const char **ending);
+
+/* ---- What check() says of a text that an option cannot be ---- */
+
+/* HDR_USAGE: "--name: 'text' WHY", and the option's help line. */
+hdr_status hdr_refuse_text(const hdr_option *table, const char *name, const char *text, const char *why,
+                           hdr_error *err);
 
 /* ---- What luminance verbs share ---- */
 

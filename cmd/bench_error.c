@@ -1,0 +1,213 @@
+/* hdr bench: how far results are apart. */
+#include "bench.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void no_memory(hdr_error *error) {
+    snprintf(error->message, sizeof error->message, "out of memory");
+    error->status = HDR_INTERNAL;
+}
+
+/* ---- Pixels ---- */
+
+/* Steele, Lea and Flood, Fast Splittable Pseudorandom Number Generators, OOPSLA 2014: the same numbers in each run. */
+static uint64_t next_random(uint64_t *state) {
+    uint64_t z = *state += 0x9e3779b97f4a7c15u;
+    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+    return z ^ z >> 31;
+}
+
+static void all_pixels(int width, int height, hdr_pixel *pixel) {
+    for (int y = 0; y < height; y++)
+        for (int x = 0; x < width; x++)
+            *pixel++ = (hdr_pixel){x, y};
+}
+
+static void random_pixels(int width, int height, int count, hdr_pixel *pixel) {
+    uint64_t state = 1;
+    for (int i = 0; i < count; i++) {
+        pixel[i].x = (int)(next_random(&state) % (uint64_t)width);
+        pixel[i].y = (int)(next_random(&state) % (uint64_t)height);
+    }
+}
+
+/* A pixel that is brighter, or darker, than all around it, and its ratio to the nearest of them. */
+typedef struct extreme {
+    double by;
+    hdr_pixel at;
+} extreme;
+
+/* The larger distance first; then from above, from the left. */
+static int compare_extremes(const void *a, const void *b) {
+    const extreme *p = a, *q = b;
+    if (p->by != q->by) return p->by < q->by ? 1 : -1;
+    if (p->at.y != q->at.y) return p->at.y < q->at.y ? -1 : 1;
+    return (p->at.x > q->at.x) - (p->at.x < q->at.x);
+}
+
+/* What is not lit counts as the darkest that is. */
+static float least_lit(const hdr_surround *scene) {
+    float least = INFINITY;
+    for (size_t i = 0; i < (size_t)scene->width * (size_t)scene->height; i++)
+        if (scene->luminance[i] > 0) least = fminf(least, scene->luminance[i]);
+    return least;
+}
+
+/* Ratio of a pixel to the nearest of its neighbours, or the other way about, whichever is above 1; 1: no extreme. */
+static double stands_out(const hdr_surround *scene, int x, int y, float least) {
+    float own = fmaxf(scene->luminance[(size_t)y * (size_t)scene->width + (size_t)x], least);
+    float low = INFINITY, high = 0;
+    for (int v = y > 0 ? y - 1 : 0; v <= y + 1 && v < scene->height; v++)
+        for (int u = x > 0 ? x - 1 : 0; u <= x + 1 && u < scene->width; u++) {
+            float other = fmaxf(scene->luminance[(size_t)v * (size_t)scene->width + (size_t)u], least);
+            if (u == x && v == y) continue;
+            low = fminf(low, other);
+            high = fmaxf(high, other);
+        }
+    if (high > 0 && own > high) return (double)own / (double)high;
+    return own < low && isfinite(low) ? (double)low / (double)own : 1;
+}
+
+/* Those that stand out most, into `kept`, which has room for twice as many. Returns how many. */
+static int find_extremes(const hdr_surround *scene, int wanted, extreme *kept) {
+    float least = least_lit(scene);
+    int count = 0;
+    for (int y = 0; y < scene->height; y++)
+        for (int x = 0; x < scene->width; x++) {
+            double by = stands_out(scene, x, y, least);
+            if (!(by > 1)) continue;
+            kept[count++] = (extreme){by, {x, y}};
+            if (count < 2 * wanted) continue;
+            qsort(kept, (size_t)count, sizeof *kept, compare_extremes);
+            count = wanted;
+        }
+    qsort(kept, (size_t)count, sizeof *kept, compare_extremes);
+    return count < wanted ? count : wanted;
+}
+
+bool bench_choose_pixels(const hdr_surround *scene, int samples, bench_pixels *pixels, hdr_error *error) {
+    size_t total = (size_t)scene->width * (size_t)scene->height;
+    bool all = total <= (size_t)samples;
+    extreme *kept = all ? NULL : calloc((size_t)samples, 2 * sizeof *kept);
+    pixels->pixel = calloc(all ? total : 2 * (size_t)samples, sizeof *pixels->pixel);
+    if (!pixels->pixel || (!all && !kept)) {
+        free(kept);
+        no_memory(error);
+        return false;
+    }
+    pixels->count = pixels->random = all ? (int)total : samples;
+    if (all) {
+        all_pixels(scene->width, scene->height, pixels->pixel);
+        return true;
+    }
+    random_pixels(scene->width, scene->height, samples, pixels->pixel);
+    int extremes = find_extremes(scene, samples, kept);
+    for (int i = 0; i < extremes; i++)
+        pixels->pixel[pixels->count++] = kept[i].at;
+    free(kept);
+    return true;
+}
+
+void bench_compare_values(const float *values, const float *exact, const bench_pixels *pixels, bench_way *way) {
+    double largest = 0, squares = 0;
+    for (int i = 0; i < pixels->count; i++) {
+        double error = fabs((double)values[i] - (double)exact[i]);
+        largest = fmax(largest, error);
+        if (i < pixels->random) squares += error * error;
+    }
+    way->max_error = largest;
+    way->rms_error = sqrt(squares / pixels->random);
+}
+
+/* ---- Images ---- */
+
+/* The header of what the library writes as PFM, and whether as many bytes stand behind it as it says. */
+static bool read_pfm(const unsigned char *bytes, size_t size, bench_image *image) {
+    char kind = 0;
+    unsigned width = 0, height = 0;
+    int length = 0;
+    double scale = 0;
+    char head[100] = "";
+    memcpy(head, bytes, size < sizeof head - 1 ? size : sizeof head - 1);
+    if (sscanf(head, "P%c %u %u %lf%n", &kind, &width, &height, &scale, &length) != 4) return false;
+    image->components = kind == 'F' ? 3 : 1;
+    image->pixels = (size_t)width * height;
+    size_t numbers = image->pixels * (size_t)image->components * sizeof(float);
+    return size == (size_t)length + 1 + numbers;
+}
+
+hdr_status bench_make_image(hdr_chain *chain, hdr_input *input, bench_image *image, hdr_error *error) {
+    size_t size = 0;
+    *image = (bench_image){.output = hdr_output_memory(error)};
+    if (!image->output) return error->status;
+    hdr_status status = hdr_chain_run(chain, input, image->output, NULL, error);
+    if (status != HDR_OK) return status;
+    const unsigned char *bytes = hdr_output_bytes(image->output, &size);
+    if (!read_pfm(bytes, size, image)) {
+        snprintf(error->message, sizeof error->message, "the chain's result cannot be read back");
+        return error->status = HDR_INTERNAL;
+    }
+    image->numbers = bytes + size - image->pixels * (size_t)image->components * sizeof(float);
+    return HDR_OK;
+}
+
+void bench_free_image(bench_image *image) {
+    hdr_output_free(image->output);
+    *image = (bench_image){0};
+}
+
+static float number_of(const bench_image *image, size_t i) {
+    const unsigned char *byte = image->numbers + i * sizeof(float);
+    uint32_t bits = byte[0] | (uint32_t)byte[1] << 8 | (uint32_t)byte[2] << 16 | (uint32_t)byte[3] << 24;
+    float number;
+    memcpy(&number, &bits, sizeof number);
+    return number;
+}
+
+static hdr_status check_sizes(const bench_image *image, const bench_image *reference, hdr_error *error) {
+    if (image->pixels == reference->pixels && image->components == reference->components) return HDR_OK;
+    snprintf(error->message, sizeof error->message, "two ways to compute the chain give pictures of different form");
+    return error->status = HDR_INTERNAL;
+}
+
+hdr_status bench_compare_images(const bench_image *image, const bench_image *reference, bench_way *way,
+                                hdr_error *error) {
+    if (check_sizes(image, reference, error) != HDR_OK) return error->status;
+    size_t count = reference->pixels * (size_t)reference->components;
+    double largest = 0, squares = 0;
+    for (size_t i = 0; i < count; i++) {
+        double value = (double)number_of(image, i), wanted = (double)number_of(reference, i);
+        double error = fabs(value - wanted) / fmax(fabs(wanted), 0x1p-126);
+        largest = fmax(largest, error);
+        squares += error * error;
+    }
+    way->max_error = largest;
+    way->rms_error = count ? sqrt(squares / (double)count) : 0;
+    return HDR_OK;
+}
+
+static int code_of(const bench_image *image, size_t i) {
+    return (int)lrintf(number_of(image, i) * 255);
+}
+
+hdr_status bench_compare_codes(const bench_image *image, const bench_image *reference, bench_way *way,
+                               hdr_error *error) {
+    if (check_sizes(image, reference, error) != HDR_OK) return error->status;
+    size_t different = 0;
+    way->most_off = 0;
+    for (size_t p = 0; p < reference->pixels; p++) {
+        int most = 0;
+        for (int c = 0; c < reference->components; c++) {
+            size_t i = p * (size_t)reference->components + (size_t)c;
+            int off = abs(code_of(image, i) - code_of(reference, i));
+            if (off > most) most = off;
+        }
+        different += most > 0;
+        if (most > way->most_off) way->most_off = most;
+    }
+    way->pixels_off = reference->pixels ? 100.0 * (double)different / (double)reference->pixels : 0;
+    return HDR_OK;
+}

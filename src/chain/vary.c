@@ -1,0 +1,75 @@
+/* Chains made of others. */
+#include "chain/chain.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+char *hdr_chain_text(const hdr_chain *chain, hdr_error *err) {
+    hdr_bytes text = {0};
+    hdr_status status = hdr_chain_print(chain, &text, err);
+    if (!status) status = hdr_bytes_add(&text, "", 1, err);
+    if (!status) return (char *)text.data;
+    free(text.data);
+    return NULL;
+}
+
+/* The options that travel, one by one, into a chain that has none yet. */
+static hdr_status add_reading(hdr_chain *chain, const hdr_options *given, hdr_error *err) {
+    hdr_status status = HDR_OK;
+    for (int i = 0; i < given->count && !status; i++) {
+        char name[80];
+        const char *const words[] = {name, given->given[i].text};
+        snprintf(name, sizeof name, "--%s", given->given[i].option->name);
+        if (given->given[i].option->travels) status = hdr_chain_add_reading(chain, words, words[1] ? 2 : 1, err);
+    }
+    return status;
+}
+
+hdr_chain *hdr_chain_new_like(const hdr_chain *other, hdr_error *err) {
+    hdr_chain *chain = hdr_chain_new(err);
+    if (chain && !add_reading(chain, &other->common_given, err) && !hdr_chain_add_local(chain, other, err))
+        return chain;
+    hdr_chain_free(chain);
+    return NULL;
+}
+
+/* The words of a clause, its options as --name=value, then the further ones. */
+static hdr_status add_words(hdr_chain *chain, const hdr_clause *clause, char **own, const char *const further[],
+                            int count, hdr_error *err) {
+    int given = clause->given.count, total = 1 + given + count;
+    const char **words = hdr_alloc((size_t)total, sizeof *words);
+    if (!words) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+    words[0] = clause->verb->about.name;
+    for (int i = 0; i < given; i++)
+        words[1 + i] = own[i];
+    for (int i = 0; i < count; i++)
+        words[1 + given + i] = further[i];
+    hdr_status status = hdr_chain_add(chain, words, total, err);
+    free(words);
+    return status;
+}
+
+static char *option_word(const hdr_given *given) {
+    size_t size = strlen(given->option->name) + (given->text ? strlen(given->text) : 0) + 4;
+    char *word = hdr_alloc(size, 1);
+    if (word)
+        snprintf(word, size, "--%s%s%s", given->option->name, given->text ? "=" : "", given->text ? given->text : "");
+    return word;
+}
+
+hdr_status hdr_chain_add_again(hdr_chain *chain, const hdr_chain *other, int number, const char *const words[],
+                               int count, hdr_error *err) {
+    if (!hdr_chain_clause(other, number)) return hdr_fail(err, HDR_USAGE, "there is no clause %d", number);
+    const hdr_clause *clause = &other->clauses[number - 1];
+    char **own = hdr_alloc((size_t)clause->given.count, sizeof *own);
+    bool made = own != NULL;
+    for (int i = 0; made && i < clause->given.count; i++)
+        made = (own[i] = option_word(&clause->given.given[i])) != NULL;
+    hdr_status status =
+        made ? add_words(chain, clause, own, words, count, err) : hdr_fail(err, HDR_INTERNAL, "out of memory");
+    for (int i = 0; own && i < clause->given.count; i++)
+        free(own[i]);
+    free(own);
+    return status;
+}
