@@ -7,8 +7,8 @@
  * option the verb lacks, is one way. */
 static const struct setting {
     const char *verb, *method, *option; /* as it is typed */
-    const char *values[8];
-} settings[] = {{"durand", "grid", "--cells", {"2x2", "2x3", "2x4", "3x4", "4x4", "4x6", "6x8"}},
+    const char *values[10];
+} settings[] = {{"durand", "grid", "--cells", {"2x2", "2x4", "3x4", "3x5", "3x6", "4x6", "4x7", "6x8"}},
                 {"durand", "direct", "--tolerance", {"0.1", "0.01", "0.001", "0.0001"}},
                 {"durand", "piecewise", "--subsample", {"25", "16", "8", "4", "2", "1"}}};
 #define SETTINGS (sizeof settings / sizeof *settings)
