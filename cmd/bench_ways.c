@@ -76,7 +76,7 @@ static int add_method(bench_way *ways, int count, const hdr_verb_about *verb, co
     for (size_t i = 0; i < SETTINGS; i++) {
         const struct setting *s = &settings[i];
         if (strcmp(s->verb, verb->name) != 0 || strcmp(s->method, method) != 0 || !option_of(verb, s->option)) continue;
-        for (int v = 0; v < 8 && s->values[v]; v++)
+        for (int v = 0; s->values[v]; v++)
             count = add_way(ways, count, method, s->option, s->values[v]);
         return count;
     }

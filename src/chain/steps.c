@@ -186,6 +186,18 @@ static bool falls_at_joint(const hdr_step *steps, int count) {
     return false;
 }
 
+/* Whether codes change within what rounding makes of a curve that is monotone on the whole, but not to the bit: C^inf
+ * behind L / (1 + L), which falls and rises by an ulp where it is almost 1. Thresholds that lie so close tell. */
+static bool outruns_rounding(const hdr_step *steps, int count, const uint64_t *thresholds, unsigned codes) {
+    enum { ULPS = 64 };
+    bool wavers = false;
+    for (int s = 0; s < count; s++)
+        wavers |= !steps[s].curve->monotone_to_the_bit;
+    for (unsigned k = 1; wavers && k < codes; k++)
+        if (thresholds[k] - thresholds[k - 1] < ULPS) return true;
+    return false;
+}
+
 /* All thresholds at once by bisection over the bits of positive doubles, which order as the doubles do. Exact: every
  * step is monotone, so the smallest value with a code of k or more is where the bisection ends. */
 bool hdr_steps_tabulate(const hdr_step *steps, int count, hdr_code_table *table) {
@@ -212,6 +224,7 @@ bool hdr_steps_tabulate(const hdr_step *steps, int count, hdr_code_table *table)
                 low[k] = middle;
         }
     }
+    if (outruns_rounding(steps, count, high + at_zero + 1, at_largest - at_zero)) return false;
     for (unsigned k = 0; k <= TOP; k++)
         table->threshold[k] = k <= at_zero ? 0 : k > at_largest ? (double)INFINITY : hdr_real_from_bits(high[k]);
     hdr_code_table_index(table, TOP);
