@@ -20,6 +20,8 @@ for file in "$corpus"/photo/*.exr "$corpus"/render/*.exr "$corpus"/windows/*.exr
     for verb in $filters; do
         expect_status 0 "$verb of $name" "$hdr" "$verb" : png -o "$work/fast.png" "$file"
         cp "$work/stderr" "$work/fast_stderr"
+        # what keeps a tolerance only is compared where the exact sum does not take minutes: tests/oracle/test_durand.c
+        if "$hdr" help --options "$verb" | grep -q '^--tolerance'; then continue; fi
         expect_status 0 "$verb --reference of $name" "$hdr" "$verb" --reference : png -o "$work/slow.png" "$file"
         check "$verb of $name: --reference gives the same bytes" cmp -s "$work/fast.png" "$work/slow.png"
         check "$verb of $name: --reference says the same" cmp -s "$work/fast_stderr" "$work/stderr"
