@@ -86,7 +86,7 @@ check 'all pixels: no smaller error than at some' no_smaller "$work/durand.csv" 
 expect_status 0 'no time' "$hdr" bench --csv --repetitions 1 --samples 50 --limit 0 durand $small $picture
 check_csv 'no time'
 check 'no time: exact is inferred' grep -q '^exact,,,0,1,1,' "$work/stdout"
-check 'no time: the dearer settings are left out' stderr_has 'hdr: bench: grid 2x3 is left out: a cheaper one'
+check 'no time: the dearer settings are left out' stderr_has 'hdr: bench: grid 2x4 is left out: a cheaper one'
 check 'no time: the cheapest is there' test "$(ways grid)" -eq 1
 check 'no time: no codes' test "$(awk -F , 'NR > 1 && $12 != ""' "$work/stdout" | wc -l)" -eq 0
 # shellcheck disable=SC2086
