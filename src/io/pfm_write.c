@@ -76,15 +76,6 @@ static hdr_status pfm_deliver(hdr_sink *sink, void *packer, hdr_error *err) {
     return hdr_output_write(sink->output, band->rows, band->size, offset, err);
 }
 
-static hdr_status pfm_end(hdr_sink *sink, hdr_error *err) {
-    (void)sink, (void)err;
-    return HDR_OK;
-}
-
-static void pfm_close(hdr_sink *sink) {
-    free(sink);
-}
-
 hdr_sink *hdr_pfm_create(hdr_output *output, const hdr_frame *frame, hdr_error *err) {
     pfm_sink *self = hdr_alloc(1, sizeof *self);
     if (!self) {
@@ -99,7 +90,7 @@ hdr_sink *hdr_pfm_create(hdr_output *output, const hdr_frame *frame, hdr_error *
                             .pack = pfm_pack,
                             .deliver = pfm_deliver,
                             .packer_free = pfm_packer_free,
-                            .end = pfm_end,
-                            .close = pfm_close};
+                            .end = hdr_sink_end_plainly,
+                            .close = hdr_sink_close_plainly};
     return &self->sink;
 }

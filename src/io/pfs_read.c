@@ -186,11 +186,9 @@ static hdr_status open_source(struct pfs_source *source, hdr_input *input, uint6
 
 hdr_source *hdr_pfs_open(hdr_input *input, const hdr_reading *reading, hdr_error *err) {
     struct pfs_source *source = hdr_alloc(1, sizeof *source);
-    hdr_error own = {0};
     hdr_status status =
-        source ? open_source(source, input, reading->memory, &own) : hdr_fail(&own, HDR_INTERNAL, "out of memory");
+        source ? open_source(source, input, reading->memory, err) : hdr_fail(err, HDR_INTERNAL, "out of memory");
     if (!status) return &source->raster.base;
-    hdr_fail(err, own.status, "%s", own.message);
     free(source);
     return NULL;
 }

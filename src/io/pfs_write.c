@@ -112,15 +112,6 @@ static hdr_status pfs_deliver(hdr_sink *sink, void *packer, hdr_error *err) {
     return status;
 }
 
-static hdr_status pfs_end(hdr_sink *sink, hdr_error *err) {
-    (void)sink, (void)err;
-    return HDR_OK;
-}
-
-static void pfs_close(hdr_sink *sink) {
-    free(sink);
-}
-
 hdr_sink *hdr_pfs_create(hdr_output *output, const hdr_frame *frame, hdr_error *err) {
     const char *name = hdr_output_name(output);
     if (frame->width > SIDE_MAX || frame->height > SIDE_MAX) {
@@ -147,7 +138,7 @@ hdr_sink *hdr_pfs_create(hdr_output *output, const hdr_frame *frame, hdr_error *
                             .pack = pfs_pack,
                             .deliver = pfs_deliver,
                             .packer_free = pfs_packer_free,
-                            .end = pfs_end,
-                            .close = pfs_close};
+                            .end = hdr_sink_end_plainly,
+                            .close = hdr_sink_close_plainly};
     return &self->sink;
 }

@@ -175,15 +175,6 @@ static hdr_status rgbe_deliver(hdr_sink *sink, void *packer, hdr_error *err) {
     return hdr_output_write(sink->output, band->packed, band->size, offset, err);
 }
 
-static hdr_status rgbe_end(hdr_sink *sink, hdr_error *err) {
-    (void)sink, (void)err;
-    return HDR_OK;
-}
-
-static void rgbe_close(hdr_sink *sink) {
-    free(sink);
-}
-
 hdr_sink *hdr_rgbe_create(hdr_output *output, const hdr_frame *frame, hdr_error *err) {
     rgbe_sink *self = hdr_alloc(1, sizeof *self);
     if (!self) {
@@ -198,7 +189,7 @@ hdr_sink *hdr_rgbe_create(hdr_output *output, const hdr_frame *frame, hdr_error 
                             .pack = rgbe_pack,
                             .deliver = rgbe_deliver,
                             .packer_free = rgbe_packer_free,
-                            .end = rgbe_end,
-                            .close = rgbe_close};
+                            .end = hdr_sink_end_plainly,
+                            .close = hdr_sink_close_plainly};
     return &self->sink;
 }

@@ -63,6 +63,10 @@ struct hdr_sink {
     void (*close)(hdr_sink *sink); /* frees; needed in any case */
 };
 
+/* For sinks that have nothing to write behind the pixels, and that hold no memory but themselves. */
+hdr_status hdr_sink_end_plainly(hdr_sink *sink, hdr_error *err);
+void hdr_sink_close_plainly(hdr_sink *sink);
+
 typedef enum hdr_compression {
     HDR_COMPRESSION_NONE,
     HDR_COMPRESSION_RLE,

@@ -8,6 +8,11 @@ void hdr_luminance_form(const hdr_luminance_params *params, hdr_step *step) {
     step->saturation = params->saturation.value;
 }
 
+hdr_sample hdr_format_float(const void *params, int bits) {
+    (void)params, (void)bits;
+    return HDR_SAMPLE_FLOAT;
+}
+
 hdr_status hdr_check_linear(const hdr_scene *scene, bool force, hdr_error *err) {
     if (force || !strcmp(scene->state, "linear")) return HDR_OK;
     return hdr_fail(err, HDR_BAD_DATA,

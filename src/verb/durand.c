@@ -280,15 +280,13 @@ static hdr_status take_logarithms(void *context, int y, int thread, hdr_error *e
 static hdr_status filter_piecewise(const durand_params *p, const hdr_bilateral *bilateral, hdr_surroundings *with,
                                    hdr_plane *plane, hdr_error *err) {
     int subsample = p->subsample.word < 0 ? (int)p->subsample.value : hdr_piecewise_subsample(bilateral->sigma_s);
-    double bound = hdr_piecewise_bound(subsample, bilateral->sigma_s) * bilateral->sigma_r;
-    double range = bilateral->high - bilateral->low;
+    with->bound =
+        fmin(hdr_piecewise_bound(subsample, bilateral->sigma_s) * bilateral->sigma_r, bilateral->high - bilateral->low);
     hdr_bilateral_report report = {0};
     hdr_status status = hdr_bilateral_piecewise(bilateral, subsample, plane, with->pool, &report, err);
     snprintf(with->note, sizeof with->note,
              "piecewise linear in %d segments, subsampled by %d, within %.2g: %llu of %llu values", report.segments,
-             subsample, bound < range ? bound : range, (unsigned long long)report.used,
-             (unsigned long long)report.cells);
-    with->bound = bound < range ? bound : range;
+             subsample, with->bound, (unsigned long long)report.used, (unsigned long long)report.cells);
     return status;
 }
 
@@ -321,11 +319,13 @@ static hdr_status filter(const durand_params *p, const hdr_bilateral *bilateral,
         return sum_directly(bilateral, HDR_EXACT_REACH, with, plane, err);
     }
     if (p->method == METHOD_PIECEWISE) return filter_piecewise(p, bilateral, with, plane, err);
-    hdr_bilateral_choice choice = hdr_bilateral_choose(bilateral, plane, p->tolerance.value, p->method == METHOD_GRID,
-                                                       p->method == METHOD_DIRECT);
+    hdr_bilateral_choice choice = {.grid = true};
     hdr_bilateral_report report = {0};
     if (read_cells(p->cells, &choice.across, &choice.deep))
         choice.bound = hdr_grid_bound(bilateral, plane, choice.across, choice.deep);
+    else
+        choice = hdr_bilateral_choose(bilateral, plane, p->tolerance.value, p->method == METHOD_GRID,
+                                      p->method == METHOD_DIRECT);
     with->bound = choice.bound;
     if (choice.grid) {
         hdr_status status = hdr_bilateral_grid(bilateral, choice.across, choice.deep, plane, with->pool, &report, err);

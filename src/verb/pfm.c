@@ -3,12 +3,6 @@
 
 static const hdr_option options[] = {{0}};
 
-static hdr_sample sample(const void *params, int bits) {
-    (void)params;
-    (void)bits;
-    return HDR_SAMPLE_FLOAT;
-}
-
 static hdr_sink *create(const void *params, hdr_output *output, const hdr_frame *frame, hdr_error *err) {
     (void)params;
     return hdr_pfm_create(output, frame, err);
@@ -17,7 +11,7 @@ static hdr_sink *create(const void *params, hdr_output *output, const hdr_frame 
 static const hdr_format format = {.extension = ".pfm",
                                   .primaries = HDR_PRIMARIES_LOST,
                                   .states = HDR_STATES_LOST,
-                                  .sample = sample,
+                                  .sample = hdr_format_float,
                                   .create = create};
 
 static const char *const examples[] = {"hdr expose --ev -1 then pfm -o OUT.pfm IN.exr", NULL};

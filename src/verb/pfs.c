@@ -3,12 +3,6 @@
 
 static const hdr_option options[] = {{0}};
 
-static hdr_sample sample(const void *params, int bits) {
-    (void)params;
-    (void)bits;
-    return HDR_SAMPLE_FLOAT;
-}
-
 static hdr_sink *create(const void *params, hdr_output *output, const hdr_frame *frame, hdr_error *err) {
     (void)params;
     return hdr_pfs_create(output, frame, err);
@@ -18,7 +12,7 @@ static const hdr_format format = {.extension = ".pfs",
                                   .alpha = true,
                                   .primaries = HDR_PRIMARIES_XYZ,
                                   .states = HDR_STATES_SRGB,
-                                  .sample = sample,
+                                  .sample = hdr_format_float,
                                   .create = create};
 
 static const char *const examples[] = {"hdr expose --ev -1 then pfs -o OUT.pfs IN.exr",

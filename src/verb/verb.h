@@ -243,6 +243,9 @@ void hdr_luminance_form(const hdr_luminance_params *params, hdr_step *step);
 
 /* ---- What encodings share ---- */
 
+/* Formats whose samples are float32 whatever comes. */
+hdr_sample hdr_format_float(const void *params, int bits);
+
 /* Encodings: refuses to encode what is encoded already unless forced. */
 hdr_status hdr_check_linear(const hdr_scene *scene, bool force, hdr_error *err);
 

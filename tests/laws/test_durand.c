@@ -2,12 +2,9 @@
  * on the picture's size or orientation; layers that are what their names say; pictures at the edge of sense; and one
  * bad pixel that spoils no other. The numbers themselves are compared in tests/oracle, the bounds of the filter in
  * test_durand_bounds. */
-#include "laws.h"
+#include "laws_pictures.h"
 
-#include "base/cpu.h"
-
-#include <sys/wait.h>
-#include <unistd.h>
+#include "levels.h"
 
 static const char *const texts[] = {"durand",
                                     "durand --method grid --sigma-s 4px",
@@ -19,26 +16,6 @@ static const char *const texts[] = {"durand",
 enum { TEXTS = sizeof texts / sizeof *texts };
 
 /* ---- Pictures and results ---- */
-
-/* A file's pixels as planes; PFM stores the last row first. */
-static law_picture read_planes(const char *path) {
-    law_picture file = {.path = path}, picture = {.width = 0};
-    law_result pfm = law_run(&file, "pfm -j 1");
-    size_t count;
-    int width = 0, height = 0;
-    float *values = law_read_pfm(&pfm, &count);
-    bool is_colour = values && sscanf((const char *)pfm.bytes, "PF %d %d", &width, &height) == 2;
-    CHECK(is_colour, "%s is no colour picture: %s", path, pfm.message);
-    if (is_colour) picture = law_new_picture(path, width, height, 3, false);
-    for (size_t i = 0; i < law_pixels(&picture); i++) {
-        size_t row = i / (size_t)width, at = ((size_t)height - 1 - row) * (size_t)width + i % (size_t)width;
-        for (size_t p = 0; p < 3; p++)
-            picture.plane[p][i] = values[3 * at + p];
-    }
-    free(values);
-    free(pfm.bytes);
-    return picture;
-}
 
 /* The picture that a chain makes of another, or its planes alone: law_read_pfm has the rows upside down. */
 static law_picture toned(const law_picture *picture, const char *text) {
@@ -56,92 +33,31 @@ static law_picture toned(const law_picture *picture, const char *text) {
     return out;
 }
 
-static law_picture copy_of(const law_picture *picture) {
-    law_picture copy = law_new_picture(picture->name, picture->width, picture->height, picture->planes, false);
-    for (int p = 0; p < picture->planes; p++)
-        memcpy(copy.plane[p], picture->plane[p], law_pixels(picture) * sizeof(float));
-    return copy;
-}
-
 static law_picture filled(const char *name, int width, int height, int planes, float (*value)(void)) {
     law_picture picture = law_new_picture(name, width, height, planes, false);
     law_fill(&picture, value);
     return picture;
 }
 
-/* The codes of a PNG; an empty list where the run fails. */
-typedef struct codes {
-    uint16_t *code;
-    size_t count;
-} codes;
-
-static codes codes_of(const law_picture *picture, const char *text) {
-    law_result png = law_run(picture, "%s then png -j 2", text);
-    CHECK(png.status == HDR_OK, "%s on %s: status %d, %s", text, picture->name, (int)png.status, png.message);
-    codes codes = {NULL, 0};
-    if (png.bytes) codes.code = law_read_png(&png, &codes.count);
-    free(png.bytes);
-    return codes;
-}
-
 /* ---- The way the work is done ---- */
 
-typedef struct outcome {
-    bool missing;
-    unsigned long failed;
-    uint64_t digest;
-} outcome;
-
-static outcome digest_of_level(hdr_cpu_level level) {
-    if (hdr_cpu() != level) return (outcome){.missing = true};
-    outcome one = {.digest = 1};
+static uint64_t digest_at_level(void) {
+    uint64_t digest = 1;
     law_random_state = 5;
     law_picture pictures[] = {filled("twelve decades", 45, 50, 3, law_ordinary),
                               filled("hard, grey", 161, 37, 1, law_hard),
                               {.path = "testdata/interior_float.exr", .name = "interior_float.exr"}};
     for (int p = 0; p < 3; p++)
         for (int t = 0; t <= TEXTS; t++) {
-            law_result exr = law_run(&pictures[p], "%s then exr --compression none",
-                                     t < TEXTS ? texts[t] : "durand --reference --sigma-s 2px");
-            one.failed += exr.status != HDR_OK;
-            one.digest = one.digest * 31 + law_digest(exr.bytes, exr.size);
+            const char *text = t < TEXTS ? texts[t] : "durand --reference --sigma-s 2px";
+            law_result exr = law_run(&pictures[p], "%s then exr --compression none", text);
+            CHECK(exr.status == HDR_OK, "%s on %s: %s", text, pictures[p].name, exr.message);
+            digest = digest * 31 + law_digest(exr.bytes, exr.size);
             free(exr.bytes);
         }
     law_free_picture(&pictures[0]);
     law_free_picture(&pictures[1]);
-    return one;
-}
-
-static outcome run_level(hdr_cpu_level level) {
-    int ends[2], status = -1;
-    outcome one = {.failed = 1};
-    pid_t child = pipe(ends) == 0 ? fork() : -1;
-    if (child == 0) {
-        setenv("HDR_CPU", hdr_cpu_name(level), 1);
-        one = digest_of_level(level);
-        _exit(write(ends[1], &one, sizeof one) != sizeof one);
-    }
-    if (child < 0) return one;
-    close(ends[1]);
-    if (read(ends[0], &one, sizeof one) != sizeof one) one = (outcome){.failed = 1};
-    waitpid(child, &status, 0);
-    close(ends[0]);
-    one.failed += status != 0;
-    return one;
-}
-
-/* Before anything else: the instruction set is decided once in a process. */
-static void test_levels(void) {
-    uint64_t first = 0;
-    for (int level = HDR_CPU_C; level <= HDR_CPU_AVX512; level++) {
-        outcome one = run_level((hdr_cpu_level)level);
-        const char *name = hdr_cpu_name((hdr_cpu_level)level);
-        if (level == HDR_CPU_C) first = one.digest;
-        if (one.missing)
-            CHECK_SKIP("this processor has no %s", name);
-        else
-            CHECK(one.failed == 0 && one.digest == first, "%s gives other pictures than plain C, or fails", name);
-    }
+    return digest;
 }
 
 static void check_same(const law_picture *picture, const char *a, const char *b) {
@@ -191,13 +107,13 @@ static void test_same(const law_picture *render) {
 static unsigned long scaled_changed, scaled_compared;
 
 static void check_scaled(const law_picture *picture, const char *text, int step) {
-    codes before = codes_of(picture, text);
-    law_picture scaled = copy_of(picture);
+    law_codes before = law_codes_of(picture, text, "");
+    law_picture scaled = law_copy_of(picture);
     for (int stops = -20; before.code && stops <= 20; stops += step) {
         for (int p = 0; p < picture->planes; p++)
             for (size_t i = 0; i < law_pixels(picture); i++)
                 scaled.plane[p][i] = ldexpf(picture->plane[p][i], stops);
-        codes after = codes_of(&scaled, text);
+        law_codes after = law_codes_of(&scaled, text, "");
         int farthest = after.count == before.count ? 0 : 65535;
         for (size_t i = 0; i < after.count && i < before.count; i++) {
             int distance = abs((int)after.code[i] - (int)before.code[i]);
@@ -261,7 +177,7 @@ static void check_sane(const law_picture *picture, const char *text, expectation
     CHECK(wrong == 0, "%s on %s: %zu floats are not what they should be; the middle is %.9g", text, picture->name,
           wrong, (double)out.plane[0][pixels / 2]);
     law_free_picture(&out);
-    codes codes = codes_of(picture, text);
+    law_codes codes = law_codes_of(picture, text, "");
     CHECK(codes.count >= pixels, "%s on %s: %zu codes", text, picture->name, codes.count);
     free(codes.code);
 }
@@ -381,14 +297,14 @@ static void test_layers(const law_picture *render) {
 /* The base within the default tolerance, at every pixel, and codes off by 1 at most, on 1 pixel in 100. */
 static void check_reference(const char *path) {
     static const char *const tones[] = {"durand", "durand --method grid"};
-    law_picture picture = read_planes(path);
+    law_picture picture = law_read_planes(path);
     law_picture exact = toned(&picture, "durand --show detail --reference");
-    codes right = codes_of(&picture, "durand --reference");
+    law_codes right = law_codes_of(&picture, "durand --reference", "");
     for (int t = 0; t < 2; t++) {
         char text[100];
         snprintf(text, sizeof text, "%s --show detail", tones[t]);
         law_picture fast = toned(&picture, text);
-        codes codes = codes_of(&picture, tones[t]);
+        law_codes codes = law_codes_of(&picture, tones[t], "");
         size_t off = 0, farther = 0, pixels = law_pixels(&picture);
         double farthest = 0;
         for (size_t i = 0; i < pixels; i++) {
@@ -512,14 +428,14 @@ static void test_outliers(const law_picture *picture) {
     static const int far[] = {65, 49, 21}; /* 8 standard deviations, and a pixel */
     size_t changed = 0, near = 0;
     for (int t = 0; t < 3; t++) {
-        codes before = codes_of(picture, tones[t]);
+        law_codes before = law_codes_of(picture, tones[t], "");
         for (int o = 0; o < OUTLIERS; o++) {
-            law_picture spoilt = copy_of(picture);
+            law_picture spoilt = law_copy_of(picture);
             size_t at = (size_t)AT_Y * (size_t)picture->width + AT_X, farther = 0;
             for (int p = 0; p < 3; p++)
                 spoilt.plane[p][at] = o == 2 ? 60000 : o == 3 ? 0 : o == 4 ? -5 : spoilt.plane[p][at];
             if (o < 2) spoilt.plane[o][at] = o ? INFINITY : NAN;
-            codes after = codes_of(&spoilt, tones[t]);
+            law_codes after = law_codes_of(&spoilt, tones[t], "");
             bool comparable = before.count == 3 * law_pixels(picture) && after.count == before.count;
             CHECK(comparable, "%s: %zu codes, then %zu", tones[t], before.count, after.count);
             for (size_t i = 0; comparable && i < before.count; i++) {
@@ -561,8 +477,9 @@ static void test_refusals(void) {
 }
 
 int main(void) {
-    test_levels();
-    law_picture render = read_planes("testdata/interior_float.exr"), interior = read_planes("testdata/interior.exr");
+    check_at_levels(digest_at_level);
+    law_picture render = law_read_planes("testdata/interior_float.exr"),
+                interior = law_read_planes("testdata/interior.exr");
     test_refusals();
     test_same(&render);
     test_exposure(&render);

@@ -1,7 +1,7 @@
 /* What has to hold for `reinhard`, whatever its implementation: no dependence on exposure, pictures at the edge of
  * sense, the brightest pixel at 1, a curve that never falls, and one bad pixel that spoils no other. Codes and floats
  * themselves are compared in tests/oracle. */
-#include "laws.h"
+#include "laws_pictures.h"
 
 #include "../oracle/oracle_reinhard.h"
 
@@ -30,48 +30,6 @@ static const char *text_number(int i) {
 
 /* ---- Pictures and results ---- */
 
-/* A file's pixels as planes; PFM stores the last row first. */
-static law_picture read_planes(const char *path) {
-    law_picture file = {.path = path}, picture = {.width = 0};
-    law_result pfm = law_run(&file, "pfm -j 1");
-    size_t count;
-    int width = 0, height = 0;
-    float *values = law_read_pfm(&pfm, &count);
-    bool is_colour = values && sscanf((const char *)pfm.bytes, "PF %d %d", &width, &height) == 2;
-    CHECK(is_colour, "%s is no colour picture: %s", path, pfm.message);
-    if (is_colour) picture = law_new_picture(path, width, height, 3, false);
-    for (size_t i = 0; i < law_pixels(&picture); i++) {
-        size_t row = i / (size_t)width, at = ((size_t)height - 1 - row) * (size_t)width + i % (size_t)width;
-        for (size_t p = 0; p < 3; p++)
-            picture.plane[p][i] = values[3 * at + p];
-    }
-    free(values);
-    free(pfm.bytes);
-    return picture;
-}
-
-static law_picture copy_of(const law_picture *picture) {
-    law_picture copy = law_new_picture(picture->name, picture->width, picture->height, picture->planes, false);
-    for (int p = 0; p < picture->planes; p++)
-        memcpy(copy.plane[p], picture->plane[p], law_pixels(picture) * sizeof(float));
-    return copy;
-}
-
-/* The codes of a PNG; an empty list where the run fails. */
-typedef struct codes {
-    uint16_t *code;
-    size_t count;
-} codes;
-
-static codes codes_of(const law_picture *picture, const char *text, const char *rest) {
-    law_result png = law_run(picture, "%s then png -j 1 %s", text, rest);
-    CHECK(png.status == HDR_OK, "%s on %s: status %d, %s", text, picture->name, (int)png.status, png.message);
-    codes codes = {NULL, 0};
-    if (png.bytes) codes.code = law_read_png(&png, &codes.count);
-    free(png.bytes);
-    return codes;
-}
-
 /* The floats of a PFM, in its order of rows. */
 static float *floats_of(const law_picture *picture, const char *text, const char *rest, size_t *count) {
     law_result pfm = law_run(picture, "%s then pfm -j 1 %s", text, rest);
@@ -88,14 +46,14 @@ static float *floats_of(const law_picture *picture, const char *text, const char
 static unsigned long scaled_changed[2], scaled_compared[2];
 
 static void check_scaled(const law_picture *picture, const char *text) {
-    codes before = codes_of(picture, text, "");
-    law_picture scaled = copy_of(picture);
+    law_codes before = law_codes_of(picture, text, "");
+    law_picture scaled = law_copy_of(picture);
     const bool local = strstr(text, "--local");
     for (int stops = -20; before.code && stops <= 20; stops++) {
         for (int p = 0; p < picture->planes; p++)
             for (size_t i = 0; i < law_pixels(picture); i++)
                 scaled.plane[p][i] = ldexpf(picture->plane[p][i], stops);
-        codes after = codes_of(&scaled, text, "");
+        law_codes after = law_codes_of(&scaled, text, "");
         int farthest = after.count == before.count ? 0 : 65535;
         for (size_t i = 0; i < after.count && i < before.count; i++) {
             int distance = abs((int)after.code[i] - (int)before.code[i]);
@@ -163,7 +121,7 @@ static void check_sane(const law_picture *picture, const char *text, expectation
     CHECK(values && is_expected(expected, values, count, picture->planes), "%s on %s: not what it should be", text,
           picture->name);
     free(values);
-    codes codes = codes_of(picture, text, "");
+    law_codes codes = law_codes_of(picture, text, "");
     size_t above = 0;
     for (size_t i = 0; i < codes.count; i++)
         above += codes.code[i] != 0;
@@ -300,7 +258,7 @@ static void check_brightest(const law_picture *picture, const char *text) {
           (double)top);
     free(values);
     for (int bits = 8; bits <= 16; bits += 8) {
-        codes codes = codes_of(picture, text, bits == 8 ? "--bits 8" : "--bits 16");
+        law_codes codes = law_codes_of(picture, text, bits == 8 ? "--bits 8" : "--bits 16");
         CHECK(codes.count == law_pixels(picture) && codes.code[largest] == (1 << bits) - 1,
               "%s on %s: the brightest pixel's code of %d bits is %d", text, picture->name, bits,
               codes.count ? codes.code[largest] : -1);
@@ -362,7 +320,7 @@ static void check_ascends(const law_picture *ramp, const char *text) {
     CHECK(count == law_pixels(ramp) && falls == 0, "%s falls %zu times among %zu floats", text, falls, count);
     free(values);
     for (int bits = 8; bits <= 16; bits += 8) {
-        codes codes = codes_of(ramp, text, bits == 8 ? "" : "--bits 16");
+        law_codes codes = law_codes_of(ramp, text, bits == 8 ? "" : "--bits 16");
         falls = 0;
         for (size_t i = 1; i < codes.count; i++)
             falls += codes.code[i] < codes.code[i - 1];
@@ -400,7 +358,7 @@ static const int outlier_at[OUTLIERS][2] = {{200, 150}, {203, 150}, {200, 153}};
 
 /* kinds: bit 0 a NaN, bit 1 an infinity, bit 2 a firefly. */
 static law_picture with_outliers(const law_picture *picture, int kinds) {
-    law_picture copy = copy_of(picture);
+    law_picture copy = law_copy_of(picture);
     for (int o = 0; o < OUTLIERS; o++) {
         size_t at = (size_t)outlier_at[o][1] * (size_t)picture->width + (size_t)outlier_at[o][0];
         if (!(kinds >> o & 1)) continue;
@@ -447,7 +405,7 @@ static struct { size_t by_one, near, doubtful; } changed[2];
 static void check_spoils_nothing(const law_picture *picture, const char *text, int kinds, int far,
                                  const double *margin) {
     law_picture spoilt = with_outliers(picture, kinds);
-    codes before = codes_of(picture, text, ""), after = codes_of(&spoilt, text, "");
+    law_codes before = law_codes_of(picture, text, ""), after = law_codes_of(&spoilt, text, "");
     size_t pixels = law_pixels(picture), farther = 0;
     const bool local = margin;
     bool comparable = before.count == 3 * pixels && after.count == 3 * pixels;
@@ -470,7 +428,7 @@ static void check_spoils_nothing(const law_picture *picture, const char *text, i
 }
 
 static void test_outliers(void) {
-    law_picture interior = read_planes("testdata/interior.exr");
+    law_picture interior = law_read_planes("testdata/interior.exr");
     CHECK(interior.width == 400 && interior.height == 300, "interior.exr is %d x %d", interior.width, interior.height);
     if (interior.width != 400 || interior.height != 300) return;
     double *margin = margins_of(&interior);
@@ -549,7 +507,7 @@ static void test_same(const law_picture *render) {
 }
 
 int main(void) {
-    law_picture render = read_planes("testdata/interior_float.exr");
+    law_picture render = law_read_planes("testdata/interior_float.exr");
     test_refusals();
     test_same(&render);
     test_exposure(&render);

@@ -98,4 +98,46 @@ static inline double *shade_plane(shade kind, int width, int height) {
     return plane;
 }
 
+/* What a test does with a file. */
+typedef void shade_check(const char *name, file_bytes *file, const char *tone);
+
+static inline void shade_try(shade kind, int width, int height, bool grey, const char *tone, shade_check *check) {
+    char name[80];
+    file_bytes file;
+    snprintf(name, sizeof name, "%s %dx%d%s", shade_names[kind], width, height, grey ? " grey" : "");
+    bool made = shade_make(kind, width, height, grey, &file);
+    CHECK(made, "%s: cannot be made", name);
+    if (made) check(name, &file, tone);
+    free(file.data);
+}
+
+/* Thin ones, and colour and grey in turn. */
+static inline void shade_try_sizes(shade kind, const char *tone, shade_check *check) {
+    static const int sizes[][2] = {{1, 1}, {37, 1}, {1, 37}, {3, 2}, {2, 90}, {40, 5}};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
+        shade_try(kind, sizes[i][0], sizes[i][1], i % 2, tone, check);
+}
+
+/* Scenes of the oracle of no more pixels than that: other primaries, alpha, windows. Every second has the other tone.
+ */
+static inline void scenes_try(int most_pixels, const char *tone, const char *other_tone, shade_check *check) {
+    for (size_t i = 0; i < sizeof oracle_scenes / sizeof oracle_scenes[0]; i++) {
+        const oracle_scene *scene = &oracle_scenes[i];
+        file_bytes file;
+        if (scene->width * scene->height > most_pixels) continue;
+        bool made = scene_make(scene, &file);
+        CHECK(made, "%s: cannot be made", scene->name);
+        if (made) check(scene->name, &file, i % 2 ? tone : other_tone);
+        free(file.data);
+    }
+}
+
+static inline void file_try(const char *path, const char *tone, shade_check *check) {
+    file_bytes file;
+    bool loaded = oracle_load(path, &file);
+    CHECK(loaded, "%s: cannot be read", path);
+    if (loaded) check(path, &file, tone);
+    free(file.data);
+}
+
 #endif

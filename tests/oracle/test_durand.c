@@ -309,10 +309,10 @@ static int reach_for(const oracle_picture *picture, const oracle_durand_options 
     return (int)ceil(10 * oracle_sigma_s(options, picture->width, picture->height));
 }
 
-static void check_chain(const char *name, const file_bytes *file, const char *tone) {
+static void check_chain(const char *name, file_bytes *file, const char *tone) {
     oracle_picture picture;
     oracle_durand_options options;
-    bool known = oracle_durand_parse(tone, &options), readable = oracle_read((file_bytes *)(uintptr_t)file, &picture);
+    bool known = oracle_durand_parse(tone, &options), readable = oracle_read(file, &picture);
     CHECK(known && readable, "%s: %s: not for the oracle", name, tone);
     if (known && readable) {
         expectation e = {.name = name, .tone = tone, .picture = &picture};
@@ -331,16 +331,6 @@ static void check_chain(const char *name, const file_bytes *file, const char *to
         oracle_durand_free(&e.narrow);
     }
     oracle_picture_free(&picture);
-}
-
-static void check_shade(shade kind, int width, int height, bool grey, const char *tone) {
-    char name[80];
-    file_bytes file;
-    snprintf(name, sizeof name, "%s %dx%d%s", shade_names[kind], width, height, grey ? " grey" : "");
-    bool made = shade_make(kind, width, height, grey, &file);
-    CHECK(made, "%s: cannot be made", name);
-    if (made) check_chain(name, &file, tone);
-    free(file.data);
 }
 
 static void test_chains(void) {
@@ -363,14 +353,12 @@ static void test_chains(void) {
                                         "durand --sigma-s 0.1px --method exact",
                                         "durand --sigma-s 3px --method exact --sigma-r 0.1",
                                         "durand --sigma-s 4px --tolerance 1e-5"};
-    static const int sizes[][2] = {{1, 1}, {37, 1}, {1, 37}, {3, 2}, {2, 90}, {40, 5}};
     for (int kind = 0; kind < SHADES; kind++) {
-        check_shade((shade)kind, 48, 40, false, "durand");
-        check_shade((shade)kind, 48, 40, true, "durand --sigma-s 4px");
+        shade_try((shade)kind, 48, 40, false, "durand", check_chain);
+        shade_try((shade)kind, 48, 40, true, "durand --sigma-s 4px", check_chain);
         for (size_t i = 0; i < sizeof tones / sizeof *tones; i++)
-            check_shade((shade)kind, 24, 24, i % 2, tones[i]);
-        for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
-            check_shade((shade)kind, sizes[i][0], sizes[i][1], i % 2, "durand");
+            shade_try((shade)kind, 24, 24, i % 2, tones[i], check_chain);
+        shade_try_sizes((shade)kind, "durand", check_chain);
     }
 }
 
@@ -379,25 +367,10 @@ static void test_pictures(void) {
     static const char *const paths[] = {"testdata/tiny/black.exr", "testdata/tiny/one.exr",
                                         "testdata/tiny/constant.exr", "testdata/tiny/wide.exr",
                                         "testdata/tiny/specials.exr"};
-    file_bytes file;
-    for (size_t i = 0; i < sizeof oracle_scenes / sizeof oracle_scenes[0]; i++) {
-        const oracle_scene *scene = &oracle_scenes[i];
-        if (scene->width * scene->height > 2500) continue;
-        bool made = scene_make(scene, &file);
-        CHECK(made, "%s: cannot be made", scene->name);
-        if (made) check_chain(scene->name, &file, i % 2 ? "durand" : "durand --sigma-s 3px --intensity durand");
-        free(file.data);
-    }
-    for (size_t i = 0; i < sizeof paths / sizeof *paths; i++) {
-        bool loaded = oracle_load(paths[i], &file);
-        CHECK(loaded, "%s: cannot be read", paths[i]);
-        if (loaded) check_chain(paths[i], &file, "durand");
-        free(file.data);
-    }
-    bool loaded = oracle_load("testdata/interior_float.exr", &file);
-    CHECK(loaded, "the render cannot be read");
-    if (loaded) check_chain("interior_float.exr", &file, "durand --sigma-s 2px");
-    free(file.data);
+    scenes_try(2500, "durand", "durand --sigma-s 3px --intensity durand", check_chain);
+    for (size_t i = 0; i < sizeof paths / sizeof *paths; i++)
+        file_try(paths[i], "durand", check_chain);
+    file_try("testdata/interior_float.exr", "durand --sigma-s 2px", check_chain);
 }
 
 int main(void) {

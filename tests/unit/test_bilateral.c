@@ -3,14 +3,12 @@
  * left out must not change. How accurate it is, is for tests/laws and tests/oracle. */
 #include "check.h"
 #include "kernels.h"
-#include "base/cpu.h"
+#include "levels.h"
 #include "kernel/grid.h"
 #include "spatial/bilateral.h"
 #include "spatial/ranks.h"
 
 #include <stdlib.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 static uint64_t digest; /* of what came out, to compare levels by */
 
@@ -351,54 +349,18 @@ static void test_grid(void) {
 
 /* ---- Levels ---- */
 
-typedef struct outcome {
-    unsigned long passed, failed;
-    bool missing;
-    uint64_t digest;
-} outcome;
-
-static outcome test_level(hdr_cpu_level level) {
+static uint64_t test_level(void) {
     random_state = 1;
-    if (hdr_cpu() != level) return (outcome){.missing = true};
     test_splines();
     test_fields();
     test_homogeneous();
     test_rows();
     test_grid();
-    return (outcome){check_passed, check_failed, false, digest};
-}
-
-static outcome run_level(hdr_cpu_level level) {
-    int ends[2], status = -1;
-    outcome one = {.failed = 1};
-    pid_t child = pipe(ends) == 0 ? fork() : -1;
-    if (child == 0) {
-        setenv("HDR_CPU", hdr_cpu_name(level), 1);
-        check_passed = check_failed = 0;
-        one = test_level(level);
-        _exit(write(ends[1], &one, sizeof one) != sizeof one);
-    }
-    if (child < 0) return one;
-    close(ends[1]);
-    if (read(ends[0], &one, sizeof one) != sizeof one) one = (outcome){.failed = 1};
-    waitpid(child, &status, 0);
-    close(ends[0]);
-    one.failed += status != 0;
-    return one;
+    return digest;
 }
 
 int main(void) {
-    uint64_t first = 0;
-    for (int level = HDR_CPU_C; level <= HDR_CPU_AVX512; level++) {
-        outcome one = run_level((hdr_cpu_level)level);
-        check_passed += one.passed;
-        check_failed += one.failed;
-        if (level == HDR_CPU_C) first = one.digest;
-        if (one.missing)
-            CHECK_SKIP("this processor has no %s", hdr_cpu_name((hdr_cpu_level)level));
-        else
-            CHECK(one.digest == first, "%s gives other numbers than plain C", hdr_cpu_name((hdr_cpu_level)level));
-    }
+    check_at_levels(test_level);
     random_state = 2;
     test_ranks();
     return check_done("test_bilateral");
