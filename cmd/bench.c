@@ -104,8 +104,7 @@ static hdr_status look_at_scene(measuring *m, hdr_error *error) {
     if (!scene->values) {
         m->b.varied = 0;
     } else if (bench_choose_pixels(scene, m->samples, &m->pixels, error)) {
-        bool all = (int64_t)scene->width * scene->height <= m->pixels.random;
-        m->b.random = all ? 0 : m->pixels.random;
+        m->b.random = m->pixels.all ? 0 : m->pixels.random;
         m->b.extremes = m->pixels.count - m->pixels.random;
         memcpy(m->automatic, scene->method, sizeof m->automatic);
     }

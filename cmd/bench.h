@@ -80,6 +80,7 @@ static inline double bench_time(const bench_way *way) {
 typedef struct bench_pixels {
     hdr_pixel *pixel;
     int count, random;
+    bool all; /* that are lit */
 } bench_pixels;
 bool bench_choose_pixels(const hdr_surround *scene, int samples, bench_pixels *pixels, hdr_error *error);
 

@@ -15,6 +15,9 @@ typedef struct hdr_bilateral {
     double sigma_s, sigma_r; /* above 0 */
     double low, high;        /* of the plane: the least and the largest number */
     bool no_skip;            /* compute what cannot matter, too */
+    /* Pixels whose base is wanted, rows of hdr_mask_row; that of others may be anything, though they count in sums as
+     * any. NULL: all. */
+    const unsigned char *wanted;
 } hdr_bilateral;
 
 /* What was computed, for --explain. */

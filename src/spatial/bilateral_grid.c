@@ -146,20 +146,28 @@ static int first_node(const grid *g, int y) {
     return (int)(y / g->across);
 }
 
+/* A row's pixels into the slab. How many spans of it they reach. */
+static int sow_row(const grid *g, worker *w, const float *numbers) {
+    size_t width = (size_t)g->plane->width;
+    hdr_splines_of(numbers, g->filter->low, g->deep, w->deep, width);
+    int spans = find_spans(g, w);
+    for (int s = 0; s < spans; s++)
+        memset(w->slab + w->spans[s].first, 0, w->spans[s].count * sizeof *w->slab);
+    hdr_grid_sow(numbers, g->middle, g->column, w->deep, g->level, width, w->slab, g->stride);
+    return spans;
+}
+
 /* Each band into rows of its own, which are added to the grid's in the order of the bands. */
 static hdr_status sow_band(void *context, int band, int thread, hdr_error *err) {
     (void)err;
     grid *g = context;
     worker *w = &g->workers[thread];
-    int top = band * BAND, end = top + rows_of(g, band), width = g->plane->width;
+    int top = band * BAND, end = top + rows_of(g, band), width = g->plane->width, spans = 0;
     int first = first_node(g, top), nodes = first_node(g, end - 1) + 4 - first;
     memset(w->rows, 0, (size_t)nodes * g->row_size * sizeof *w->rows);
     for (int y = top; y < end; y++) {
-        hdr_splines_of(row_of(g, y), g->filter->low, g->deep, w->deep, (size_t)width);
-        int spans = find_spans(g, w);
-        for (int s = 0; s < spans; s++)
-            memset(w->slab + w->spans[s].first, 0, w->spans[s].count * sizeof *w->slab);
-        hdr_grid_sow(row_of(g, y), g->middle, g->column, w->deep, g->level, (size_t)width, w->slab, g->stride);
+        bool again = y > top && !memcmp(row_of(g, y), row_of(g, y - 1), (size_t)width * sizeof(float));
+        if (!again || g->filter->no_skip) spans = sow_row(g, w, row_of(g, y)); /* a margin is sown once */
         hdr_spline row = hdr_spline_at(y / g->across);
         float *rows = w->rows + (size_t)(row.first - first) * g->row_size;
         for (int s = 0; s < spans; s++) {
@@ -266,12 +274,23 @@ static hdr_status blur_strip(void *context, int strip, int thread, hdr_error *er
 
 /* ---- Reading ---- */
 
+/* Whether the base of some pixel of a row is wanted. */
+static bool is_wanted(const grid *g, int y) {
+    const unsigned char *wanted = g->filter->wanted;
+    size_t bytes = hdr_mask_row(g->plane->width), i = 0;
+    if (!wanted) return true;
+    while (i < bytes && !wanted[(size_t)y * bytes + i])
+        i++;
+    return i < bytes;
+}
+
 static hdr_status read_band(void *context, int band, int thread, hdr_error *err) {
     (void)err;
     grid *g = context;
     const worker *w = &g->workers[thread];
     int width = g->plane->width;
     for (int y = band * BAND; y < band * BAND + rows_of(g, band); y++) {
+        if (!is_wanted(g, y)) continue;
         hdr_splines_of(row_of(g, y), g->filter->low, g->deep, w->deep, (size_t)width);
         hdr_spline row = hdr_spline_at(y / g->across);
         const float *rows = g->cells + (size_t)row.first * g->row_size;

@@ -373,7 +373,8 @@ static hdr_status surround(hdr_step *step, hdr_surroundings *with, hdr_error *er
     if (status == HDR_OK) status = hdr_pool_run(with->pool, height, take_logarithms, &l, err);
     hdr_bilateral bilateral = {.sigma_s = sigma_in_pixels(p->sigma_s, width > height ? width : height),
                                .sigma_r = p->sigma_r.value,
-                               .no_skip = with->no_skip};
+                               .no_skip = with->no_skip,
+                               .wanted = with->no_skip ? NULL : l.mask};
     if (status == HDR_OK) status = hdr_plane_range(with->surround, &bilateral.low, &bilateral.high, with->pool, err);
     if (status == HDR_OK && bilateral.high == bilateral.low && !with->no_skip) {
         snprintf(with->note, sizeof with->note, "one intensity everywhere: the base is what it is");
