@@ -371,6 +371,8 @@ static hdr_status check(const hdr_chain *chain, hdr_error *error) {
     const hdr_verb_about *last = hdr_chain_last(chain);
     const char *const *files = hdr_chain_files(chain);
     if (last->kind == HDR_PROGRAM) return cmd_refuse(error, "bench: %s makes no picture", last->name);
+    if (hdr_chain_joins(chain))
+        return cmd_refuse(error, "bench: write what %s makes to a file first", hdr_chain_clause(chain, 1)->name);
     if (settings->reference) return cmd_refuse(error, "bench: it sets --reference itself: leave that out");
     if (settings->json && hdr_chain_given(chain, 0, "csv")) return cmd_refuse(error, "bench: either --csv or --json");
     if (files[0] && files[1])

@@ -15,6 +15,15 @@ void cmd_report(const hdr_error *error);
 /* What a run has to say, to standard error: notes unless -q, the plan and details as the library sends them. */
 hdr_listener cmd_listener(const hdr_chain *chain);
 
+/* What the chain is run on: the file that is named, standard input where none is, or all of them joined. */
+typedef struct cmd_input {
+    hdr_input *input; /* NULL: the error is filled */
+    hdr_input **members;
+    int count;
+} cmd_input;
+cmd_input cmd_open_input(const hdr_chain *chain, hdr_error *error);
+void cmd_close_input(cmd_input *opened);
+
 /* help.c: words after `hdr help`. */
 hdr_status cmd_help(int count, const char *const words[], hdr_error *error);
 void cmd_print_usage(FILE *to);

@@ -8,6 +8,7 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -96,7 +97,7 @@ static hdr_status close_standard_output(hdr_status status) {
 static bool deferred(const hdr_chain *chain) {
     struct stat about;
     const char *environment = getenv("HDR_DEFER");
-    return !hdr_chain_settings(chain)->output && hdr_chain_last(chain)->kind == HDR_FILTER &&
+    return !hdr_chain_joins(chain) && !hdr_chain_settings(chain)->output && hdr_chain_last(chain)->kind == HDR_FILTER &&
            !(environment && strcmp(environment, "0") == 0) && fstat(STDOUT_FILENO, &about) == 0 &&
            S_ISFIFO(about.st_mode);
 }
@@ -117,9 +118,49 @@ static hdr_output *open_output(const hdr_chain *chain, hdr_error *error) {
     char path[4096];
     const char *name = hdr_chain_settings(chain)->output;
     if (name && strcmp(name, "-") != 0) return hdr_output_open(name, error);
-    bool follow_name = !name && hdr_chain_last(chain)->kind == HDR_FILTER;
+    bool follow_name = !name && hdr_chain_last(chain)->kind != HDR_FORMAT;
     return hdr_output_descriptor(STDOUT_FILENO, follow_name ? redirected_name(path, sizeof path) : "standard output",
                                  error);
+}
+
+/* ---- Where pictures come from ---- */
+
+/* Hundreds of renders may be open at a time. */
+static void allow_many_files(void) {
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+    limit.rlim_cur = limit.rlim_max;
+    (void)setrlimit(RLIMIT_NOFILE, &limit); /* where it is refused, opening tells */
+}
+
+cmd_input cmd_open_input(const hdr_chain *chain, hdr_error *error) {
+    const char *const *files = hdr_chain_files(chain);
+    cmd_input opened = {NULL, NULL, 0};
+    if (!hdr_chain_joins(chain)) {
+        opened.input = hdr_input_open(files[0], error);
+        return opened;
+    }
+    int count = 0;
+    while (files[count])
+        count++;
+    if (count == 0) count = 1; /* standard input */
+    allow_many_files();
+    opened.members = calloc((size_t)count, sizeof(hdr_input *));
+    for (; opened.members && opened.count < count; opened.count++) {
+        opened.members[opened.count] = hdr_input_open(files[opened.count], error);
+        if (!opened.members[opened.count]) return opened;
+    }
+    if (opened.members) opened.input = hdr_input_join(count, opened.members, error);
+    if (!opened.members) snprintf(error->message, sizeof error->message, "out of memory");
+    if (!opened.members) error->status = HDR_INTERNAL;
+    return opened;
+}
+
+void cmd_close_input(cmd_input *opened) {
+    hdr_input_free(opened->input);
+    for (int i = 0; i < opened->count; i++)
+        hdr_input_free(opened->members[i]);
+    free(opened->members);
 }
 
 /* ---- Running ---- */
@@ -128,9 +169,9 @@ static hdr_output *open_output(const hdr_chain *chain, hdr_error *error) {
 static hdr_status compute(hdr_chain *chain, hdr_error *error) {
     hdr_listener listener = cmd_listener(chain);
     hdr_output *output = open_output(chain, error);
-    hdr_input *input = output ? hdr_input_open(hdr_chain_files(chain)[0], error) : NULL;
-    hdr_status status = input ? hdr_chain_run(chain, input, output, &listener, error) : error->status;
-    hdr_input_free(input);
+    cmd_input opened = output ? cmd_open_input(chain, error) : (cmd_input){NULL, NULL, 0};
+    hdr_status status = opened.input ? hdr_chain_run(chain, opened.input, output, &listener, error) : error->status;
+    cmd_close_input(&opened);
     hdr_output_free(output);
     return status;
 }
@@ -159,7 +200,7 @@ static hdr_status run_chain(hdr_chain *chain, hdr_error *error) {
     const char *const *files = hdr_chain_files(chain);
     for (size_t i = 0; i < sizeof programs / sizeof *programs; i++)
         if (strcmp(verb->name, programs[i].name) == 0) return run_program(&programs[i], chain, error);
-    if (files[0] && files[1])
+    if (files[0] && files[1] && !hdr_chain_joins(chain))
         return cmd_refuse(error, "one picture at a time: '%.200s' is one file too many", files[1]);
     return deferred(chain) ? defer(chain, error) : compute(chain, error);
 }

@@ -15,7 +15,8 @@ static const struct kind {
     const char *operands; /* what stands behind the verb's options */
 } kinds[] = {{HDR_FILTER, "Filters", "filter", "[then VERB [OPTION...]]... [-o OUT] [FILE]"},
              {HDR_FORMAT, "Formats", "format", "[-o OUT] [FILE]"},
-             {HDR_PROGRAM, "Programs", "program", "[FILE...]"}};
+             {HDR_PROGRAM, "Programs", "program", "[FILE...]"},
+             {HDR_JOIN, "Joins", "join", "[then VERB [OPTION...]]... [-o OUT] FILE..."}};
 #define KINDS (sizeof kinds / sizeof *kinds)
 
 static const struct exit_status {

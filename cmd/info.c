@@ -15,8 +15,17 @@ static hdr_status do_file(hdr_chain *chain, cmd_file_job job, const char *file, 
     return status;
 }
 
+/* All files are one picture. */
+static hdr_status do_joined(hdr_chain *chain, cmd_file_job job, hdr_error *error) {
+    cmd_input opened = cmd_open_input(chain, error);
+    hdr_status status = opened.input ? job(chain, opened.input, hdr_input_name(opened.input), error) : error->status;
+    cmd_close_input(&opened);
+    return status;
+}
+
 hdr_status cmd_each_file(hdr_chain *chain, cmd_file_job job, hdr_error *error) {
     const char *const *files = hdr_chain_files(chain);
+    if (hdr_chain_joins(chain)) return do_joined(chain, job, error);
     if (!files[0] || !files[1]) return do_file(chain, job, files[0], error);
     hdr_status status = HDR_OK;
     for (int i = 0; files[i]; i++) {

@@ -241,5 +241,6 @@ hdr_status cmd_stats(hdr_chain *chain, hdr_error *error) {
     int count = 0;
     while (hdr_chain_files(chain)[count])
         count++;
-    return count > 1 ? stats_of_files(chain, count, error) : cmd_each_file(chain, stats_of_file, error);
+    return count > 1 && !hdr_chain_joins(chain) ? stats_of_files(chain, count, error)
+                                                : cmd_each_file(chain, stats_of_file, error);
 }

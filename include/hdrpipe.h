@@ -97,9 +97,10 @@ void hdr_option_describe(const hdr_option *option, char *line, size_t size);
  */
 
 typedef enum hdr_verb_kind {
-    HDR_FILTER, /* picture in, picture out */
-    HDR_FORMAT, /* ends a chain: writes a file format */
-    HDR_PROGRAM /* ends a chain: reports about the picture (info, stats); or stands in front of one (bench) */
+    HDR_FILTER,  /* picture in, picture out */
+    HDR_FORMAT,  /* ends a chain: writes a file format */
+    HDR_PROGRAM, /* ends a chain: reports about the picture (info, stats); or stands in front of one (bench) */
+    HDR_JOIN     /* begins a chain: makes one picture of several (mean, diff) */
 } hdr_verb_kind;
 
 /* What there is to know about a verb from outside. */
@@ -191,6 +192,13 @@ hdr_input *hdr_input_memory(const void *bytes, size_t size, const char *name, hd
  * the input is freed. */
 hdr_input *hdr_input_planes(int width, int height, int planes, const float *const plane[3], const float *alpha,
                             hdr_error *err);
+
+/* Several inputs, for a chain that begins with a verb of kind HDR_JOIN. They stay the caller's, who frees them after
+ * this one. count >= 1. */
+hdr_input *hdr_input_join(int count, hdr_input *const inputs[], hdr_error *err);
+
+/* As messages call it: the end of the file's name, "standard input", "a.exr and 3 more". */
+const char *hdr_input_name(const hdr_input *input);
 void hdr_input_free(hdr_input *input);
 
 /* ---- Output ---------------------------------------------------------------------------------------------------------
@@ -262,6 +270,9 @@ const hdr_verb_about *hdr_chain_clause(const hdr_chain *chain, int number);
 /* What an option of a clause was given as, or of the program that leads, whose number is 0: its text, which has been
  * checked against the table; "" for a flag. NULL: it was not given. */
 const char *hdr_chain_given(const hdr_chain *chain, int number, const char *name);
+
+/* Whether the chain begins with a verb that makes one picture of several: it is run on hdr_input_join. */
+bool hdr_chain_joins(const hdr_chain *chain);
 
 /* The last clause's verb; where there is no clause the program that leads, or NULL. */
 const hdr_verb_about *hdr_chain_last(const hdr_chain *chain);

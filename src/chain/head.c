@@ -67,7 +67,7 @@ static hdr_status write_all(int descriptor, const void *data, size_t size, hdr_e
 
 hdr_status hdr_chain_defer(hdr_chain *chain, hdr_input *input, int descriptor, hdr_error *err) {
     const hdr_verb_about *last = hdr_chain_last(chain);
-    if (!last || last->kind != HDR_FILTER)
+    if (!last || last->kind != HDR_FILTER || hdr_chain_joins(chain))
         return hdr_fail(err, HDR_USAGE, "only a chain of filters can be handed on through a pipe");
     hdr_bytes text = {0};
     hdr_chain *whole = hdr_chain_behind_head(chain, input, err);
@@ -188,7 +188,7 @@ static char *take_head(hdr_input *input, hdr_error *err) {
     }
     hdr_error own = {0};
     hdr_input_skip(input, 0); /* an input that was read before may be read again */
-    int64_t length = hdr_input_get_planes(input) ? 0 : hdr_input_read(input, text, strlen(MAGIC), 0, err);
+    int64_t length = hdr_input_has_bytes(input) ? hdr_input_read(input, text, strlen(MAGIC), 0, err) : 0;
     if (length == (int64_t)strlen(MAGIC) && !memcmp(text, MAGIC, strlen(MAGIC)))
         length = hdr_input_read(input, text, HEAD_MAX, 0, err);
     if (length >= 0) length = head_length(text, (size_t)length, &own);

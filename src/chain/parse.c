@@ -259,6 +259,10 @@ const char *hdr_chain_given(const hdr_chain *chain, int number, const char *name
     return NULL;
 }
 
+bool hdr_chain_joins(const hdr_chain *chain) {
+    return chain->count > 0 && chain->clauses[0].verb->join;
+}
+
 const hdr_verb_about *hdr_chain_last(const hdr_chain *chain) {
     return chain->count ? hdr_chain_clause(chain, chain->count) : hdr_chain_leader(chain);
 }
@@ -416,7 +420,9 @@ static hdr_status open_clause(hdr_chain *chain, const char *name, hdr_clause **c
     const hdr_verb_about *last = hdr_chain_clause(chain, chain->count);
     if (verb->about.leads && hdr_chain_last(chain))
         return hdr_fail(err, HDR_USAGE, "%s stands in front of a chain: hdr %s VERB ...", name, name);
-    if (last && last->kind != HDR_FILTER)
+    if (last && verb->about.kind == HDR_JOIN)
+        return hdr_fail(err, HDR_USAGE, "%s makes one picture of several files: nothing can come before it", name);
+    if (last && last->kind != HDR_FILTER && last->kind != HDR_JOIN)
         return hdr_fail(err, HDR_USAGE, "nothing can come after %s, which ends a chain", last->name);
     hdr_clause *clauses = hdr_grow(chain->clauses, (size_t)chain->count + 1, sizeof *clauses);
     if (!clauses) return hdr_fail(err, HDR_INTERNAL, "out of memory");

@@ -252,7 +252,7 @@ static hdr_status plan_filters(planning *p, hdr_error *err) {
     hdr_status status = check_state(p->state, err);
     if (!status) status = start_colour(p, err);
     if (wants_facts(chain)) hdr_run_keep(p->run);
-    for (int i = 0; !status && i < chain->count; i++) {
+    for (int i = hdr_chain_joins(chain); !status && i < chain->count; i++) {
         if (chain->clauses[i].verb->about.kind != HDR_FILTER) break;
         status = plan_clause(p, i + 1, &chain->clauses[i], err);
     }
@@ -346,6 +346,14 @@ static void report_missing(const hdr_run *run) {
         hdr_say(run->listener, HDR_NOTE, "%s: no channel%s %s: taken as 0", run->name, count == 1 ? "" : "s", names);
 }
 
+/* Components of joined pictures that no number could be made of. */
+static void report_left_out(const hdr_run *run) {
+    uint64_t count = hdr_chain_joins(run->chain) ? hdr_join_left_out(run->source) : 0;
+    if (count)
+        hdr_say(run->listener, HDR_NOTE, "%s: %llu component%s no finite number%s", run->name,
+                (unsigned long long)count, count == 1 ? " is" : "s are", count == 1 ? "" : "s");
+}
+
 /* A picture that stands behind the one that was read, as far as is known without waiting for a pipe. */
 static void report_more(const hdr_run *run) {
     if (run->source->end && hdr_input_has(run->input, run->source->end))
@@ -413,6 +421,7 @@ static hdr_status run_chain(hdr_chain *chain, hdr_input *input, const hdr_listen
         if (!status) status = plan_filters(&p, &own);
         if (!status && end) status = end(&p, context, &own);
         if (!status) report_missing(&run);
+        if (!status) report_left_out(&run);
         if (!status) report_more(&run);
         hdr_plane_free(p.luminance);
         hdr_run_close(&run);

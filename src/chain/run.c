@@ -23,13 +23,28 @@ static hdr_status open_threads(hdr_run *run, hdr_error *err) {
     return HDR_OK;
 }
 
+/* The input's picture, or what the chain's first verb makes of its pictures. */
+static hdr_source *open_source(const hdr_chain *chain, hdr_input *input, hdr_error *err) {
+    hdr_reading reading = hdr_chain_reading(chain);
+    const hdr_joined *joined = hdr_input_get_joined(input);
+    if (!hdr_chain_joins(chain) && !joined) return hdr_source_open(input, &reading, err);
+    if (!joined || !hdr_chain_joins(chain)) {
+        hdr_fail(err, HDR_USAGE, "pictures that are joined belong to a chain that begins with a verb that joins them");
+        return NULL;
+    }
+    const hdr_clause *first = &chain->clauses[0];
+    hdr_joining joining = {.params = first->params, .pictures = joined->count};
+    if (!first->verb->join(first->params, &joining, err)) return hdr_join_open(input, &reading, &joining, err);
+    hdr_fail_in(err, first->verb->about.name);
+    return NULL;
+}
+
 hdr_status hdr_run_open(hdr_run *run, const hdr_chain *chain, hdr_input *input, const hdr_listener *listener,
                         hdr_error *err) {
     *run = (hdr_run){.chain = chain, .settings = *hdr_chain_settings(chain), .listener = listener};
     run->input = input;
     run->name = hdr_input_name(input);
-    hdr_reading reading = hdr_chain_reading(chain);
-    run->source = hdr_source_open(input, &reading, err);
+    run->source = open_source(chain, input, err);
     if (!run->source) return err->status;
     run->thread_count = run->settings.threads < run->source->blocks ? run->settings.threads : run->source->blocks;
     if (run->thread_count < 1) run->thread_count = 1;

@@ -10,6 +10,7 @@
 #include <poll.h>
 #include <pthread.h>
 #include <stdatomic.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/eventfd.h>
@@ -31,7 +32,7 @@
 #define MOST_RESERVED (MIB * MIB) /* 1 TiB */
 #define NAME_BYTES 240            /* of a name in messages, so that the sentence behind it is not cut off */
 
-enum input_kind { INPUT_FILE, INPUT_PIPE, INPUT_MEMORY, INPUT_PLANES };
+enum input_kind { INPUT_FILE, INPUT_PIPE, INPUT_MEMORY, INPUT_PLANES, INPUT_JOINED };
 
 /* What has come from a pipe. have is written by the reader only, with the lock held; ended and error are guarded by the
  * lock. */
@@ -61,6 +62,7 @@ struct hdr_input {
     uint64_t skip;  /* length of the head */
     const unsigned char *bytes;
     hdr_planes planes;
+    hdr_joined joined;
     struct pipe_memory pipe;
 };
 
@@ -173,6 +175,22 @@ hdr_input *hdr_input_planes(int width, int height, int planes, const float *cons
     input->planes = (hdr_planes){.width = width, .height = height, .planes = planes, .alpha = alpha};
     for (int i = 0; i < planes; i++)
         input->planes.plane[i] = plane[i];
+    return input;
+}
+
+hdr_input *hdr_input_join(int count, hdr_input *const inputs[], hdr_error *err) {
+    hdr_input **members = hdr_alloc((size_t)count, sizeof(hdr_input *));
+    char name[2 * NAME_BYTES];
+    snprintf(name, sizeof name, count > 1 ? "%s and %d more" : "%s", inputs[0]->name, count - 1);
+    hdr_input *input = members ? new_input(INPUT_JOINED, name, err) : NULL;
+    if (!input) {
+        hdr_fail(err, HDR_INTERNAL, "out of memory");
+        free(members);
+        return NULL;
+    }
+    for (int i = 0; i < count; i++)
+        members[i] = inputs[i];
+    input->joined = (hdr_joined){members, count};
     return input;
 }
 
@@ -355,6 +373,7 @@ int64_t hdr_input_read(hdr_input *input, void *buffer, uint64_t size, uint64_t o
     case INPUT_MEMORY:
         return copy_out(input->bytes, input->size, buffer, size, at);
     case INPUT_PLANES:
+    case INPUT_JOINED:
         break;
     }
     return 0;
@@ -392,6 +411,14 @@ const char *hdr_input_name(const hdr_input *input) {
 
 const hdr_planes *hdr_input_get_planes(const hdr_input *input) {
     return input->kind == INPUT_PLANES ? &input->planes : NULL;
+}
+
+const hdr_joined *hdr_input_get_joined(const hdr_input *input) {
+    return input->kind == INPUT_JOINED ? &input->joined : NULL;
+}
+
+bool hdr_input_has_bytes(const hdr_input *input) {
+    return input->kind != INPUT_PLANES && input->kind != INPUT_JOINED;
 }
 
 /* ---- Forwarding ---- */
@@ -516,6 +543,7 @@ hdr_status hdr_input_forward(hdr_input *input, int descriptor, hdr_error *err) {
         if (input->size <= input->skip) return HDR_OK;
         return write_all(input, descriptor, input->bytes + input->skip, input->size - input->skip, err);
     case INPUT_PLANES:
+    case INPUT_JOINED:
         break;
     }
     return hdr_fail(err, HDR_INTERNAL, "%s: it is no file that could be passed on", input->name);
@@ -547,5 +575,6 @@ void hdr_input_free(hdr_input *input) {
         pthread_mutex_destroy(&pipe->lock);
     }
     if (input->close_descriptor) close(input->descriptor);
+    free(input->joined.members);
     free(input);
 }

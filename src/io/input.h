@@ -22,9 +22,6 @@ bool hdr_input_flows(const hdr_input *input);
 /* Says that the picture begins length bytes after the start of all. */
 void hdr_input_skip(hdr_input *input, uint64_t length);
 
-/* For messages: the file's name, or "standard input". */
-const char *hdr_input_name(const hdr_input *input);
-
 /* Copies all bytes from the picture's beginning to descriptor, without touching them where the kernel can do it
  * (splice, sendfile, else read and write). Of a pipe only what has been read so far is in memory: it must not have been
  * given to the reading thread (hdr_input_read for offsets beyond the first 64 KiB) before. A closed pipe is SIGPIPE's
@@ -37,5 +34,15 @@ typedef struct hdr_planes {
     const float *plane[3], *alpha;
 } hdr_planes;
 const hdr_planes *hdr_input_get_planes(const hdr_input *input);
+
+/* The inputs of hdr_input_join, or NULL for any other. */
+typedef struct hdr_joined {
+    hdr_input **members;
+    int count;
+} hdr_joined;
+const hdr_joined *hdr_input_get_joined(const hdr_input *input);
+
+/* Whether it consists of bytes, which a head may stand in front of. */
+bool hdr_input_has_bytes(const hdr_input *input);
 
 #endif

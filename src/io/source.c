@@ -123,6 +123,8 @@ hdr_contents *hdr_source_contents(hdr_input *input, const hdr_reading *reading, 
 
 hdr_status hdr_source_attributes(hdr_input *input, const hdr_picture *picture, hdr_exr_fate fate, hdr_bytes *out,
                                  int *left_out, hdr_error *err) {
+    const hdr_joined *joined = hdr_input_get_joined(input);
     *left_out = 0;
+    if (joined) input = joined->members[0];
     return strcmp(picture->format, "exr") ? HDR_OK : hdr_exr_attributes(input, picture->part, fate, out, left_out, err);
 }

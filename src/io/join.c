@@ -1,0 +1,263 @@
+#include "io/join.h"
+
+#include "io/input.h"
+#include "picture/colour.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct join_source {
+    hdr_source base;
+    hdr_joining joining;
+    hdr_source **members;
+    atomic_uchar *seen; /* of each block: whether it was read before */
+    _Atomic uint64_t left_out;
+} join_source;
+
+/* What a thread makes a block in. */
+typedef struct join_worker {
+    double *state; /* of each channel, row and strip in turn */
+    float *out;    /* channel after channel */
+    uint64_t left_out;
+} join_worker;
+
+static size_t width_of(const join_source *source) {
+    return (size_t)hdr_window_width(&source->base.picture.data);
+}
+
+static size_t strips_of(const join_source *source) {
+    return (width_of(source) + HDR_STRIP - 1) / HDR_STRIP;
+}
+
+static void worker_free(hdr_source *source, void *worker) {
+    join_worker *w = worker;
+    (void)source;
+    if (!w) return;
+    free(w->state);
+    free(w->out);
+    free(w);
+}
+
+static hdr_status worker_new(hdr_source *base, void **worker, hdr_error *err) {
+    const join_source *source = (join_source *)base;
+    size_t rows = 4 * (size_t)base->block_rows;
+    size_t state = strips_of(source) * HDR_STRIP * (size_t)source->joining.slots;
+    join_worker *w = hdr_alloc(1, sizeof *w);
+    if (w) {
+        w->state = hdr_alloc(rows, state * sizeof *w->state);
+        w->out = hdr_alloc(rows, width_of(source) * sizeof *w->out);
+    }
+    *worker = w;
+    if (w && w->state && w->out) return HDR_OK;
+    worker_free(base, w);
+    *worker = NULL;
+    return hdr_fail(err, HDR_INTERNAL, "out of memory");
+}
+
+/* ---- A block ---- */
+
+static double *state_of(const join_source *source, const join_worker *w, int channel, int row, size_t strip) {
+    size_t at = ((size_t)channel * (size_t)source->base.block_rows + (size_t)row) * strips_of(source) + strip;
+    return w->state + at * HDR_STRIP * (size_t)source->joining.slots;
+}
+
+/* Numbers as they are stored, and how many of them are not finite. */
+static uint64_t load(const hdr_block *block, int channel, int row, size_t x, double *out, size_t count) {
+    const unsigned char *at = block->plane[channel] + (size_t)row * block->stride[channel];
+    uint64_t strange = 0;
+    if (block->type[channel] == HDR_HALF) {
+        const uint16_t *half = (const uint16_t *)(const void *)at + x;
+        if (hdr_half_all_finite(half, count)) {
+            hdr_half_to_real(half, out, count);
+            return 0;
+        }
+        for (size_t i = 0; i < count; i++)
+            out[i] = hdr_half_value(half[i]);
+    } else if (block->type[channel] == HDR_UINT) {
+        for (size_t i = 0; i < count; i++)
+            out[i] = ((const uint32_t *)(const void *)at)[x + i];
+        return 0;
+    } else {
+        hdr_float_to_real((const float *)(const void *)at + x, out, count);
+        if (hdr_float_all_finite((const float *)(const void *)at + x, count)) return 0;
+    }
+    for (size_t i = 0; i < count; i++)
+        strange += !isfinite(out[i]);
+    return strange;
+}
+
+static void add_row(const join_source *source, join_worker *w, int picture, const hdr_block *block, int block_row,
+                    int row) {
+    size_t width = width_of(source);
+    double values[HDR_STRIP];
+    for (int c = 0; c < 4; c++) {
+        if (!source->base.picture.present[c]) continue;
+        for (size_t x = 0; x < width; x += HDR_STRIP) {
+            size_t count = width - x < HDR_STRIP ? width - x : HDR_STRIP;
+            w->left_out += load(block, c, block_row, x, values, count);
+            source->joining.add(&source->joining, picture, values, state_of(source, w, c, row, x / HDR_STRIP), count);
+        }
+    }
+}
+
+/* Rows first ... end-1 of one picture. Its own worker lives no longer than that: there may be hundreds of pictures. */
+static hdr_status add_picture(const join_source *source, join_worker *w, int picture, int first, int end,
+                              hdr_error *err) {
+    hdr_source *member = source->members[picture];
+    void *reader = NULL;
+    hdr_block block = {0};
+    int current = -1;
+    hdr_status status = member->worker_new(member, &reader, err);
+    for (int row = first; row < end && status == HDR_OK; row++) {
+        int wanted = hdr_source_block_of(member, row);
+        if (wanted != current) status = member->read(member, reader, wanted, &block, err);
+        current = wanted;
+        if (status == HDR_OK) add_row(source, w, picture, &block, row - block.first_row, row - first);
+    }
+    if (reader) member->worker_free(member, reader);
+    return status;
+}
+
+static void end_block(const join_source *source, const join_worker *w, int rows, hdr_block *out) {
+    size_t width = width_of(source);
+    float *to = w->out;
+    double values[HDR_STRIP];
+    for (int c = 0; c < 4; c++) {
+        if (!source->base.picture.present[c]) continue;
+        out->plane[c] = (const unsigned char *)to;
+        out->type[c] = HDR_FLOAT;
+        out->stride[c] = width * sizeof *to;
+        for (int row = 0; row < rows; row++, to += width)
+            for (size_t x = 0; x < width; x += HDR_STRIP) {
+                size_t count = width - x < HDR_STRIP ? width - x : HDR_STRIP;
+                source->joining.end(&source->joining, state_of(source, w, c, row, x / HDR_STRIP), values, count);
+                hdr_real_to_float(values, to + x, count);
+                for (size_t i = 0; i < count; i++)
+                    if (isnan(values[i])) to[x + i] = NAN; /* which that holds at the largest float */
+            }
+    }
+}
+
+static hdr_status read_block(hdr_source *base, void *worker, int index, hdr_block *out, hdr_error *err) {
+    join_source *source = (join_source *)base;
+    join_worker *w = worker;
+    int first = hdr_source_first_row(base, index), end = hdr_source_first_row(base, index + 1);
+    *out = (hdr_block){.first_row = first, .rows = end - first};
+    w->left_out = 0;
+    memset(w->state, 0,
+           4 * (size_t)base->block_rows * strips_of(source) * HDR_STRIP * (size_t)source->joining.slots *
+               sizeof *w->state);
+    hdr_status status = HDR_OK;
+    for (int picture = 0; picture < source->joining.pictures && status == HDR_OK; picture++)
+        status = add_picture(source, w, picture, first, end, err);
+    if (status != HDR_OK) return status;
+    end_block(source, w, end - first, out);
+    if (!atomic_exchange(&source->seen[index], 1)) atomic_fetch_add(&source->left_out, w->left_out);
+    return HDR_OK;
+}
+
+uint64_t hdr_join_left_out(const hdr_source *source) {
+    return atomic_load(&((const join_source *)source)->left_out);
+}
+
+/* ---- Opening ---- */
+
+static void close_source(hdr_source *base) {
+    join_source *source = (join_source *)base;
+    for (int i = 0; source->members && i < source->joining.pictures; i++)
+        hdr_source_close(source->members[i]);
+    free(source->members);
+    free(source->seen);
+    free(source);
+}
+
+static hdr_status refuse(const hdr_input *other, const hdr_input *first, const char *why, hdr_error *err) {
+    return hdr_fail(err, HDR_BAD_DATA, "%s and %s are not of one form: %s", hdr_input_name(first),
+                    hdr_input_name(other), why);
+}
+
+/* Whether a picture can be joined to the first. */
+static hdr_status compare_forms(const hdr_input *other, const hdr_picture *picture, const hdr_input *first,
+                                const hdr_picture *wanted, bool alpha, hdr_error *err) {
+    char why[200];
+    if (memcmp(&picture->data, &wanted->data, sizeof picture->data) != 0) {
+        snprintf(why, sizeof why, "%lld x %lld pixels from %d,%d and %lld x %lld from %d,%d",
+                 (long long)hdr_window_width(&wanted->data), (long long)hdr_window_height(&wanted->data),
+                 wanted->data.min_x, wanted->data.min_y, (long long)hdr_window_width(&picture->data),
+                 (long long)hdr_window_height(&picture->data), picture->data.min_x, picture->data.min_y);
+        return refuse(other, first, why, err);
+    }
+    for (int c = 0; c < 4; c++)
+        if (picture->present[c] != wanted->present[c] && (c < 3 || alpha)) {
+            const hdr_picture *has = picture->present[c] ? picture : wanted;
+            snprintf(why, sizeof why, "only %s has the channel %.100s", hdr_input_name(has == picture ? other : first),
+                     has->channels[c].name);
+            return refuse(other, first, why, err);
+        }
+    if (hdr_chromaticities_differ(&picture->chromaticities, &wanted->chromaticities))
+        return refuse(other, first, "their primaries differ", err);
+    if (strcmp(picture->state, wanted->state) != 0) {
+        snprintf(why, sizeof why, "one is %.60s, the other %.60s", wanted->state, picture->state);
+        return refuse(other, first, why, err);
+    }
+    return HDR_OK;
+}
+
+/* The result's own form. */
+static void describe(join_source *source) {
+    const hdr_source *first = source->members[0];
+    hdr_source *base = &source->base;
+    base->picture = first->picture;
+    if (!source->joining.alpha) base->picture.has_alpha = base->picture.present[3] = false;
+    for (int c = 0; c < 4; c++)
+        base->picture.channels[c].type = HDR_FLOAT;
+    base->block_rows = first->block_rows;
+    base->rows_cut = first->rows_cut;
+    for (int i = 1; i < source->joining.pictures; i++)
+        if (source->members[i]->block_rows > base->block_rows) {
+            base->block_rows = source->members[i]->block_rows;
+            base->rows_cut = source->members[i]->rows_cut;
+        }
+    int64_t height = hdr_window_height(&base->picture.data);
+    base->blocks =
+        height > 0 && hdr_window_width(&base->picture.data) > 0 ? hdr_source_block_of(base, (int)(height - 1)) + 1 : 0;
+}
+
+static hdr_status open_members(join_source *source, const hdr_joined *joined, const hdr_reading *reading,
+                               hdr_error *err) {
+    source->members = hdr_alloc((size_t)joined->count, sizeof(hdr_source *));
+    if (!source->members) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+    for (int i = 0; i < joined->count; i++) {
+        source->members[i] = hdr_source_open(joined->members[i], reading, err);
+        if (!source->members[i]) return HDR_BAD_DATA;
+        hdr_status status = compare_forms(joined->members[i], &source->members[i]->picture, joined->members[0],
+                                          &source->members[0]->picture, source->joining.alpha, err);
+        if (status != HDR_OK) return status;
+    }
+    return HDR_OK;
+}
+
+hdr_source *hdr_join_open(hdr_input *input, const hdr_reading *reading, const hdr_joining *joining, hdr_error *err) {
+    join_source *source = hdr_alloc(1, sizeof *source);
+    if (!source) {
+        hdr_fail(err, HDR_INTERNAL, "out of memory");
+        return NULL;
+    }
+    source->joining = *joining;
+    source->base.worker_new = worker_new;
+    source->base.worker_free = worker_free;
+    source->base.read = read_block;
+    source->base.close = close_source;
+    hdr_status status = open_members(source, hdr_input_get_joined(input), reading, err);
+    if (status == HDR_OK) {
+        describe(source);
+        source->seen = hdr_alloc((size_t)source->base.blocks, sizeof *source->seen);
+        if (!source->seen) status = hdr_fail(err, HDR_INTERNAL, "out of memory");
+    }
+    if (status == HDR_OK) return &source->base;
+    close_source(&source->base);
+    return NULL;
+}

@@ -1,0 +1,115 @@
+/* The difference of two pictures, as a picture. */
+#include "base/cpu.h"
+#include "verb/verb.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+typedef struct diff_params {
+    int kind;
+    hdr_number epsilon, exaggerate;
+} diff_params;
+
+enum { KIND_SIGNED, KIND_ABSOLUTE, KIND_RELATIVE, KIND_SQUARED, KIND_SMAPE };
+static const char *const diff_kinds[] = {"signed", "absolute", "relative", "squared", "smape", NULL};
+
+static const hdr_option options[] = {{.name = "kind",
+                                      .type = HDR_OPTION_CHOICE,
+                                      .offset = offsetof(diff_params, kind),
+                                      .metavar = "KIND",
+                                      .words = diff_kinds,
+                                      .default_value = "signed",
+                                      .help = "which error of a component"},
+                                     {.name = "epsilon",
+                                      .type = HDR_OPTION_NUMBER,
+                                      .offset = offsetof(diff_params, epsilon),
+                                      .metavar = "E",
+                                      .min = 0,
+                                      .max = 1e30,
+                                      .above_min = true,
+                                      .default_value = "0.01",
+                                      .help = "of relative and smape: added to the divisor, so that black is no fault"},
+                                     {.name = "exaggerate",
+                                      .type = HDR_OPTION_NUMBER,
+                                      .offset = offsetof(diff_params, exaggerate),
+                                      .metavar = "K",
+                                      .min = 0,
+                                      .max = 1e30,
+                                      .above_min = true,
+                                      .default_value = "1",
+                                      .help = "multiply by this"},
+                                     {0}};
+
+static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
+    const diff_params *p = params;
+    bool divides = p->kind == KIND_RELATIVE || p->kind == KIND_SMAPE;
+    for (int i = 0; i < given->count; i++)
+        if (!strcmp(given->given[i].option->name, "epsilon") && !divides)
+            return hdr_fail(err, HDR_USAGE, "--epsilon has no meaning with --kind %s", diff_kinds[p->kind]);
+    return HDR_OK;
+}
+
+/* state: the number of the first picture, then the second's in a row of its own. */
+static void add(const hdr_joining *joining, int picture, const double *values, double *state, size_t count) {
+    (void)joining;
+    memcpy(state + (size_t)picture * HDR_STRIP, values, count * sizeof *values);
+}
+
+/* x is the test, r the reference; what has no value is NaN, which reading repairs and counts. */
+HDR_INLINE double error_of(int kind, double epsilon, double x, double r) {
+    double difference = x - r;
+    switch (kind) {
+    case KIND_ABSOLUTE:
+        return fabs(difference);
+    case KIND_RELATIVE:
+        return fabs(difference) / (fabs(r) + epsilon);
+    case KIND_SQUARED:
+        return difference * difference;
+    case KIND_SMAPE:
+        return fabs(difference) / (fabs(x) + fabs(r) + epsilon);
+    default:
+        return difference;
+    }
+}
+
+static void end(const hdr_joining *joining, const double *state, double *out, size_t count) {
+    const diff_params *p = joining->params;
+    double epsilon = p->epsilon.value, factor = p->exaggerate.value;
+    for (size_t i = 0; i < count; i++) {
+        double x = state[i], r = state[HDR_STRIP + i];
+        bool finite = x - x == 0 && r - r == 0;
+        out[i] = finite ? factor * error_of(p->kind, epsilon, x, r) : NAN;
+    }
+}
+
+static hdr_status join(const void *params, hdr_joining *joining, hdr_error *err) {
+    (void)params;
+    if (joining->pictures != 2) return hdr_fail(err, HDR_USAGE, "it takes two files: a test and its reference");
+    joining->slots = 2;
+    joining->add = add;
+    joining->end = end;
+    return HDR_OK;
+}
+
+static const char *const examples[] = {"hdr diff -o OUT.exr IN.exr IN.exr",
+                                       "hdr diff --kind relative then stats IN.exr IN.exr", NULL};
+
+const hdr_verb hdr_verb_diff = {
+    .about =
+        {.name = "diff",
+         .summary = "subtract a reference from a picture",
+         .details =
+             "Begins a chain: makes one float picture of two, x, the test, and r, the reference, which must agree in "
+             "data window, channels and primaries. Components are taken as they are stored, colour associated with "
+             "alpha; alpha itself is left out. Where either is NaN or infinite there is no difference: it is 0, and "
+             "counted on standard error.\n\n"
+             "--kind signed: x - r. absolute: |x - r|. relative: |x - r| / (|r| + E). squared: (x - r)^2. smape: |x - "
+             "r| / (|x| + |r| + E). E is --epsilon.",
+         .examples = examples,
+         .options = options,
+         .kind = HDR_JOIN},
+    .params_size = sizeof(diff_params),
+    .check = check,
+    .join = join,
+};

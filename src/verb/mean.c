@@ -1,0 +1,196 @@
+/* The mean of independent renders, and how far they scatter. */
+#include "base/cpu.h"
+#include "verb/verb.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { MOST_GROUPS = 31 };
+
+typedef struct mean_params {
+    int show, robust;
+    hdr_number groups;
+} mean_params;
+
+enum { SHOW_MEAN, SHOW_VARIANCE, SHOW_DEVIATION, SHOW_MEAN_VARIANCE, SHOW_MEAN_DEVIATION };
+static const char *const shows[] = {"mean", "variance", "deviation", "mean-variance", "mean-deviation", NULL};
+enum { ROBUST_NONE, ROBUST_MEDIAN_OF_MEANS };
+static const char *const robusts[] = {"none", "median-of-means", NULL};
+
+static const hdr_option options[] = {
+    {.name = "show",
+     .type = HDR_OPTION_CHOICE,
+     .offset = offsetof(mean_params, show),
+     .metavar = "WHAT",
+     .words = shows,
+     .default_value = "mean",
+     .help = "the mean; variance or standard deviation of one render; or those of the mean"},
+    {.name = "robust",
+     .type = HDR_OPTION_CHOICE,
+     .offset = offsetof(mean_params, robust),
+     .metavar = "HOW",
+     .words = robusts,
+     .default_value = "none",
+     .help = "against fireflies, biased: the median of the means of --groups groups of renders"},
+    {.name = "groups",
+     .type = HDR_OPTION_INTEGER,
+     .offset = offsetof(mean_params, groups),
+     .metavar = "G",
+     .min = 2,
+     .max = MOST_GROUPS,
+     .default_value = "5",
+     .help = "of --robust: render number i belongs to group i modulo G"},
+    {0}};
+
+static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
+    const mean_params *p = params;
+    for (int i = 0; i < given->count; i++)
+        if (!strcmp(given->given[i].option->name, "groups") && p->robust == ROBUST_NONE)
+            return hdr_fail(err, HDR_USAGE, "--groups has no meaning without --robust median-of-means");
+    if (p->robust != ROBUST_NONE && p->show != SHOW_MEAN)
+        return hdr_fail(err, HDR_USAGE, "--robust has a mean only, no %s", shows[p->show]);
+    return HDR_OK;
+}
+
+/* ---- Moments ----
+ * state: how many numbers there were, their mean m, and the sum M2 of (x - m)^2. Welford, Note on a Method for
+ * Calculating Corrected Sums of Squares and Products, Technometrics 4(3), 1962: with d = x - m,
+ *     n := n + 1    m := m + d / n    M2 := M2 + d (x - m)
+ * whose error does not grow with the mean, as that of the sum of squares does. */
+enum { COUNT, MEAN, SQUARES, MOMENTS };
+
+HDR_INLINE void add_moments_body(const double *values, double *state, size_t count) {
+    double *n = state + COUNT * HDR_STRIP, *mean = state + MEAN * HDR_STRIP, *squares = state + SQUARES * HDR_STRIP;
+    for (size_t i = 0; i < count; i++) {
+        bool finite = values[i] - values[i] == 0;
+        double difference = finite ? values[i] - mean[i] : 0;
+        double more = finite ? n[i] + 1 : n[i];
+        double next = mean[i] + difference / (more > 1 ? more : 1);
+        squares[i] += difference * (finite ? values[i] - next : 0);
+        mean[i] = next;
+        n[i] = more;
+    }
+}
+HDR_VERSIONS_IN(static, add_moments, (const double *values, double *state, size_t count), (values, state, count))
+
+static void add(const hdr_joining *joining, int picture, const double *values, double *state, size_t count) {
+    (void)joining, (void)picture;
+    add_moments(values, state, count);
+}
+
+/* Of what a number is made that no render has: NaN, which reading repairs and counts. */
+static double show_moments(int show, double n, double mean, double squares) {
+    if (n < 1) return NAN;
+    double variance = n > 1 ? squares / (n - 1) : NAN;
+    switch (show) {
+    case SHOW_VARIANCE:
+        return variance;
+    case SHOW_DEVIATION:
+        return sqrt(variance);
+    case SHOW_MEAN_VARIANCE:
+        return variance / n;
+    case SHOW_MEAN_DEVIATION:
+        return sqrt(variance / n);
+    default:
+        return mean;
+    }
+}
+
+static void end(const hdr_joining *joining, const double *state, double *out, size_t count) {
+    const mean_params *p = joining->params;
+    for (size_t i = 0; i < count; i++)
+        out[i] = show_moments(p->show, state[COUNT * HDR_STRIP + i], state[MEAN * HDR_STRIP + i],
+                              state[SQUARES * HDR_STRIP + i]);
+}
+
+/* ---- Median of means ----
+ * state: number and mean of each group. Jerrum, Valiant and Vazirani, Theoretical Computer Science 43, 1986; for
+ * renders Jung, Meyer and DeCoro, Robust Estimation of the Mean, 2015. */
+enum { GROUP_MOMENTS = 2 };
+
+HDR_INLINE void add_to_group_body(const double *values, double *n, double *mean, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        bool finite = values[i] - values[i] == 0;
+        double more = finite ? n[i] + 1 : n[i];
+        mean[i] += (finite ? values[i] - mean[i] : 0) / (more > 1 ? more : 1);
+        n[i] = more;
+    }
+}
+HDR_VERSIONS_IN(static, add_to_group, (const double *values, double *n, double *mean, size_t count),
+                (values, n, mean, count))
+
+static void add_grouped(const hdr_joining *joining, int picture, const double *values, double *state, size_t count) {
+    double *n = state + (size_t)(picture % (joining->slots / GROUP_MOMENTS)) * GROUP_MOMENTS * HDR_STRIP;
+    add_to_group(values, n, n + HDR_STRIP, count);
+}
+
+/* Of at most MOST_GROUPS numbers, which are put in order; of an even number the mean of the two in the middle. */
+static double median(double *value, int count) {
+    for (int i = 1; i < count; i++)
+        for (int j = i; j > 0 && value[j] < value[j - 1]; j--) {
+            double larger = value[j - 1];
+            value[j - 1] = value[j];
+            value[j] = larger;
+        }
+    if (count == 0) return NAN;
+    return count % 2 ? value[count / 2] : (value[count / 2 - 1] + value[count / 2]) / 2;
+}
+
+static void end_grouped(const hdr_joining *joining, const double *state, double *out, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        double means[MOST_GROUPS];
+        int groups = 0;
+        for (int g = 0; g < joining->slots / GROUP_MOMENTS; g++) {
+            const double *n = state + (size_t)g * GROUP_MOMENTS * HDR_STRIP;
+            if (n[i] > 0) means[groups++] = n[HDR_STRIP + i];
+        }
+        out[i] = median(means, groups);
+    }
+}
+
+/* ---- The verb ---- */
+
+static hdr_status join(const void *params, hdr_joining *joining, hdr_error *err) {
+    const mean_params *p = params;
+    bool grouped = p->robust == ROBUST_MEDIAN_OF_MEANS;
+    int groups = (int)p->groups.value < joining->pictures ? (int)p->groups.value : joining->pictures;
+    if (p->show != SHOW_MEAN && joining->pictures < 2)
+        return hdr_fail(err, HDR_USAGE, "one render has no %s: name several", shows[p->show]);
+    joining->alpha = true;
+    joining->slots = grouped ? groups * GROUP_MOMENTS : MOMENTS;
+    joining->add = grouped ? add_grouped : add;
+    joining->end = grouped ? end_grouped : end;
+    return HDR_OK;
+}
+
+static const char *const examples[] = {"hdr mean -o OUT.exr IN.exr IN.exr",
+                                       "hdr mean --show mean-deviation -o OUT.exr IN.exr IN.exr IN.exr",
+                                       "hdr mean then reinhard then png -o OUT.png IN.exr IN.exr", NULL};
+
+const hdr_verb hdr_verb_mean = {
+    .about = {.name = "mean",
+              .summary = "average independent renders, or tell how they scatter",
+              .details =
+                  "Begins a chain: makes one float picture of several renders of the same scene, which have to be "
+                  "independent: made with other random numbers each. They must agree in data window, channels and "
+                  "primaries; all else, such as the header's attributes, is the first one's.\n\n"
+                  "Each component is averaged as it is stored (colour associated with alpha), by Welford's method in "
+                  "double, in the order of the files, and rounded to float once. Another order of the files changes "
+                  "no more than the last bit. Components that are NaN or infinite are left out, and counted on "
+                  "standard error. All files are read once, together, block by block: memory does not grow with the "
+                  "pictures.\n\n"
+                  "--show variance is that of one render, M2 / (n - 1), and deviation its root, the standard "
+                  "deviation; mean-variance and mean-deviation are those of the mean of all n: variance / n, and its "
+                  "root. They need two renders, and hold no matter how bright a pixel is (sums of squares would lose "
+                  "1e6 +- 1e-3).\n\n"
+                  "--robust median-of-means parts the renders in --groups groups, averages each and takes the median: "
+                  "a firefly in one render touches one group alone. It is biased: where light comes in rare bright "
+                  "samples, as caustics do, it is too dark.",
+              .examples = examples,
+              .options = options,
+              .kind = HDR_JOIN},
+    .params_size = sizeof(mean_params),
+    .check = check,
+    .join = join,
+};
