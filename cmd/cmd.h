@@ -57,11 +57,17 @@ void cmd_print_plain(FILE *to, const char *text);
 void cmd_print_json_text(const char *text);
 void cmd_print_json_number(double number); /* the shortest decimal that reads back as the same double */
 
+/* info.c: a field of comma-separated values. */
+void cmd_print_csv_text(const char *text);
+
 /* What a colour plane is called: "R", "G", "B", or "Y" for the only one; plane 3 is "A". */
 const char *cmd_plane_name(const hdr_picture *picture, int plane);
 
 /* stats.c */
 hdr_status cmd_stats(hdr_chain *chain, hdr_error *error);
+
+/* error.c */
+hdr_status cmd_error(hdr_chain *chain, hdr_error *error);
 
 /* bench.c: the chain behind `hdr bench` */
 hdr_status cmd_bench(hdr_chain *chain, hdr_error *error);

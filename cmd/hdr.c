@@ -16,7 +16,7 @@
 static const struct program {
     const char *name;
     hdr_status (*run)(hdr_chain *chain, hdr_error *error);
-} programs[] = {{"info", cmd_info}, {"stats", cmd_stats}, {"bench", cmd_bench}};
+} programs[] = {{"info", cmd_info}, {"stats", cmd_stats}, {"bench", cmd_bench}, {"error", cmd_error}};
 
 /* ---- Words to standard error ---- */
 

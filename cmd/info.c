@@ -87,6 +87,16 @@ void cmd_print_json_text(const char *text) {
     putchar('"');
 }
 
+void cmd_print_csv_text(const char *text) {
+    bool quoted = text[strcspn(text, ",\"\r\n")] != '\0';
+    if (quoted) putchar('"');
+    for (; *text; text++) {
+        if (*text == '"') putchar('"');
+        putchar(*text);
+    }
+    if (quoted) putchar('"');
+}
+
 void cmd_print_json_number(double number) {
     char text[40];
     if (!isfinite(number)) {

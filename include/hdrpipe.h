@@ -374,6 +374,42 @@ bool hdr_survey_next(hdr_survey *survey, hdr_stats *together, hdr_error *err);
  * whose clauses do not matter, behind those of the head, if there is one. A chain of NULL has none. */
 hdr_status hdr_input_picture(hdr_input *input, const hdr_chain *chain, hdr_picture *picture, hdr_error *err);
 
+/* ---- Errors ---------------------------------------------------------------------------------------------------------
+ */
+
+/* Means over numbers x of a test and r of its reference, d = x - r, e being the epsilon that was given. All are 0 where
+ * there are no numbers. */
+typedef struct hdr_errors {
+    uint64_t numbers;
+    double bias;      /* mean of d */
+    double mae;       /* of |d| */
+    double mse, rmse; /* of d^2; its root */
+    double mrse;      /* of d^2 / (r^2 + e) */
+    double mape;      /* of |d| / (|r| + e) */
+    double smape;     /* of |d| / (|x| + |r| + e) */
+} hdr_errors;
+
+typedef struct hdr_comparison {
+    hdr_picture picture; /* the test's */
+    double epsilon;
+    bool present[4];       /* channels that both have: R G B, or Y in [0]; alpha */
+    hdr_errors channel[4]; /* of each */
+    hdr_errors all;        /* of all colour channels together */
+    uint64_t left_out;     /* components that are NaN or infinite in either: they count for nothing */
+    double worst;          /* the largest |d|, and where it is; the channel is -1 where all are 0 */
+    int worst_x, worst_y, worst_channel;
+    double worst_test, worst_reference;
+    int tiles;          /* squares of 64 pixels, row by row */
+    double *tile_error; /* the mean of d^2 in each, all colours together */
+} hdr_comparison;
+
+/* Compares pictures as they are stored: colour associated with alpha, nothing repaired. Of the chain only the common
+ * options matter. Both are read once, together, block by block. The result does not depend on threads. Release it with
+ * hdr_comparison_free, whatever the status. HDR_BAD_DATA: they are not of one form. */
+hdr_status hdr_compare(const hdr_chain *chain, hdr_input *test, hdr_input *reference, double epsilon,
+                       hdr_comparison *out, hdr_error *err);
+void hdr_comparison_free(hdr_comparison *comparison);
+
 /* ---- Surrounds ------------------------------------------------------------------------------------------------------
  */
 

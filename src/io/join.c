@@ -1,11 +1,10 @@
 #include "io/join.h"
 
 #include "io/input.h"
-#include "picture/colour.h"
+#include "io/forms.h"
 
 #include <math.h>
 #include <stdatomic.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -64,31 +63,6 @@ static double *state_of(const join_source *source, const join_worker *w, int cha
     return w->state + at * HDR_STRIP * (size_t)source->joining.slots;
 }
 
-/* Numbers as they are stored, and how many of them are not finite. */
-static uint64_t load(const hdr_block *block, int channel, int row, size_t x, double *out, size_t count) {
-    const unsigned char *at = block->plane[channel] + (size_t)row * block->stride[channel];
-    uint64_t strange = 0;
-    if (block->type[channel] == HDR_HALF) {
-        const uint16_t *half = (const uint16_t *)(const void *)at + x;
-        if (hdr_half_all_finite(half, count)) {
-            hdr_half_to_real(half, out, count);
-            return 0;
-        }
-        for (size_t i = 0; i < count; i++)
-            out[i] = hdr_half_value(half[i]);
-    } else if (block->type[channel] == HDR_UINT) {
-        for (size_t i = 0; i < count; i++)
-            out[i] = ((const uint32_t *)(const void *)at)[x + i];
-        return 0;
-    } else {
-        hdr_float_to_real((const float *)(const void *)at + x, out, count);
-        if (hdr_float_all_finite((const float *)(const void *)at + x, count)) return 0;
-    }
-    for (size_t i = 0; i < count; i++)
-        strange += !isfinite(out[i]);
-    return strange;
-}
-
 static void add_row(const join_source *source, join_worker *w, int picture, const hdr_block *block, int block_row,
                     int row) {
     size_t width = width_of(source);
@@ -97,7 +71,7 @@ static void add_row(const join_source *source, join_worker *w, int picture, cons
         if (!source->base.picture.present[c]) continue;
         for (size_t x = 0; x < width; x += HDR_STRIP) {
             size_t count = width - x < HDR_STRIP ? width - x : HDR_STRIP;
-            w->left_out += load(block, c, block_row, x, values, count);
+            w->left_out += hdr_block_load(block, c, block_row, x, values, count);
             source->joining.add(&source->joining, picture, values, state_of(source, w, c, row, x / HDR_STRIP), count);
         }
     }
@@ -174,38 +148,6 @@ static void close_source(hdr_source *base) {
     free(source);
 }
 
-static hdr_status refuse(const hdr_input *other, const hdr_input *first, const char *why, hdr_error *err) {
-    return hdr_fail(err, HDR_BAD_DATA, "%s and %s are not of one form: %s", hdr_input_name(first),
-                    hdr_input_name(other), why);
-}
-
-/* Whether a picture can be joined to the first. */
-static hdr_status compare_forms(const hdr_input *other, const hdr_picture *picture, const hdr_input *first,
-                                const hdr_picture *wanted, bool alpha, hdr_error *err) {
-    char why[200];
-    if (memcmp(&picture->data, &wanted->data, sizeof picture->data) != 0) {
-        snprintf(why, sizeof why, "%lld x %lld pixels from %d,%d and %lld x %lld from %d,%d",
-                 (long long)hdr_window_width(&wanted->data), (long long)hdr_window_height(&wanted->data),
-                 wanted->data.min_x, wanted->data.min_y, (long long)hdr_window_width(&picture->data),
-                 (long long)hdr_window_height(&picture->data), picture->data.min_x, picture->data.min_y);
-        return refuse(other, first, why, err);
-    }
-    for (int c = 0; c < 4; c++)
-        if (picture->present[c] != wanted->present[c] && (c < 3 || alpha)) {
-            const hdr_picture *has = picture->present[c] ? picture : wanted;
-            snprintf(why, sizeof why, "only %s has the channel %.100s", hdr_input_name(has == picture ? other : first),
-                     has->channels[c].name);
-            return refuse(other, first, why, err);
-        }
-    if (hdr_chromaticities_differ(&picture->chromaticities, &wanted->chromaticities))
-        return refuse(other, first, "their primaries differ", err);
-    if (strcmp(picture->state, wanted->state) != 0) {
-        snprintf(why, sizeof why, "one is %.60s, the other %.60s", wanted->state, picture->state);
-        return refuse(other, first, why, err);
-    }
-    return HDR_OK;
-}
-
 /* The result's own form. */
 static void describe(join_source *source) {
     const hdr_source *first = source->members[0];
@@ -233,8 +175,8 @@ static hdr_status open_members(join_source *source, const hdr_joined *joined, co
     for (int i = 0; i < joined->count; i++) {
         source->members[i] = hdr_source_open(joined->members[i], reading, err);
         if (!source->members[i]) return HDR_BAD_DATA;
-        hdr_status status = compare_forms(joined->members[i], &source->members[i]->picture, joined->members[0],
-                                          &source->members[0]->picture, source->joining.alpha, err);
+        hdr_status status = hdr_forms_agree(joined->members[i], &source->members[i]->picture, joined->members[0],
+                                            &source->members[0]->picture, source->joining.alpha, err);
         if (status != HDR_OK) return status;
     }
     return HDR_OK;

@@ -1,0 +1,64 @@
+#include "io/forms.h"
+
+#include "io/input.h"
+#include "kernel/strip.h"
+#include "picture/colour.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static hdr_status refuse(const hdr_input *other, const hdr_input *first, const char *why, hdr_error *err) {
+    return hdr_fail(err, HDR_BAD_DATA, "%s and %s are not of one form: %s", hdr_input_name(first),
+                    hdr_input_name(other), why);
+}
+
+hdr_status hdr_forms_agree(const hdr_input *other, const hdr_picture *picture, const hdr_input *first,
+                           const hdr_picture *wanted, bool alpha, hdr_error *err) {
+    char why[200];
+    if (memcmp(&picture->data, &wanted->data, sizeof picture->data) != 0) {
+        snprintf(why, sizeof why, "%lld x %lld pixels from %d,%d and %lld x %lld from %d,%d",
+                 (long long)hdr_window_width(&wanted->data), (long long)hdr_window_height(&wanted->data),
+                 wanted->data.min_x, wanted->data.min_y, (long long)hdr_window_width(&picture->data),
+                 (long long)hdr_window_height(&picture->data), picture->data.min_x, picture->data.min_y);
+        return refuse(other, first, why, err);
+    }
+    for (int c = 0; c < 4; c++)
+        if (picture->present[c] != wanted->present[c] && (c < 3 || alpha)) {
+            const hdr_picture *has = picture->present[c] ? picture : wanted;
+            snprintf(why, sizeof why, "only %s has the channel %.100s", hdr_input_name(has == picture ? other : first),
+                     has->channels[c].name);
+            return refuse(other, first, why, err);
+        }
+    if (hdr_chromaticities_differ(&picture->chromaticities, &wanted->chromaticities))
+        return refuse(other, first, "their primaries differ", err);
+    if (strcmp(picture->state, wanted->state) != 0) {
+        snprintf(why, sizeof why, "one is %.60s, the other %.60s", wanted->state, picture->state);
+        return refuse(other, first, why, err);
+    }
+    return HDR_OK;
+}
+
+uint64_t hdr_block_load(const hdr_block *block, int channel, int row, size_t x, double *out, size_t count) {
+    const unsigned char *at = block->plane[channel] + (size_t)row * block->stride[channel];
+    uint64_t strange = 0;
+    if (block->type[channel] == HDR_HALF) {
+        const uint16_t *half = (const uint16_t *)(const void *)at + x;
+        if (hdr_half_all_finite(half, count)) {
+            hdr_half_to_real(half, out, count);
+            return 0;
+        }
+        for (size_t i = 0; i < count; i++)
+            out[i] = hdr_half_value(half[i]);
+    } else if (block->type[channel] == HDR_UINT) {
+        for (size_t i = 0; i < count; i++)
+            out[i] = ((const uint32_t *)(const void *)at)[x + i];
+        return 0;
+    } else {
+        hdr_float_to_real((const float *)(const void *)at + x, out, count);
+        if (hdr_float_all_finite((const float *)(const void *)at + x, count)) return 0;
+    }
+    for (size_t i = 0; i < count; i++)
+        strange += !isfinite(out[i]);
+    return strange;
+}

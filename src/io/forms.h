@@ -1,0 +1,16 @@
+/* What reading several pictures together takes. */
+#ifndef HDR_FORMS_H
+#define HDR_FORMS_H
+
+#include "io/source.h"
+
+/* Whether a picture has the form of the first: data window, channels (alpha, if that matters), primaries, encoding.
+ * HDR_BAD_DATA: what differs. */
+hdr_status hdr_forms_agree(const hdr_input *other, const hdr_picture *picture, const hdr_input *first,
+                           const hdr_picture *wanted, bool alpha, hdr_error *err);
+
+/* count <= HDR_STRIP numbers from x on of a block's row, counted from the block's first, as they are stored. How many
+ * of them are not finite. */
+uint64_t hdr_block_load(const hdr_block *block, int channel, int row, size_t x, double *out, size_t count);
+
+#endif
