@@ -297,9 +297,12 @@ static void print_synopsis(const hdr_verb_about *verb) {
     }
     printf(".Op Ar common-option ...\n");
     if (verb->leads) printf(".Ar VERB Op Ar OPTION ...\n");
-    if (verb->kind == HDR_FILTER || verb->leads) printf(".Op Cm then Ar VERB Op Ar OPTION ...\n.Ar ...\n");
+    if (verb->kind == HDR_FILTER || verb->kind == HDR_JOIN || verb->leads)
+        printf(".Op Cm then Ar VERB Op Ar OPTION ...\n.Ar ...\n");
     if (verb->leads)
         printf(".Op Ar FILE\n");
+    else if (verb->kind == HDR_JOIN)
+        printf(".Op Fl o Ar OUT\n.Ar FILE ...\n");
     else
         printf(verb->kind == HDR_PROGRAM ? ".Op Ar FILE ...\n" : ".Op Fl o Ar OUT\n.Op Ar FILE\n");
     printf(".Nm hdr-%s\n.Ar ...\n", verb->name);

@@ -1,0 +1,122 @@
+#!/bin/sh
+# Several pictures at once on the command line: mean, diff and error. What they compute is compared with long double in
+# tests/oracle/test_measure.c.
+. tests/cli/lib.sh
+
+room=testdata/interior_float.exr other=testdata/glossy.exr
+"$hdr" expose --ev 1 -o "$work/twice.exr" "$room"
+"$hdr" expose --ev -1 -o "$work/half.exr" "$room"
+
+# figure NAME FILE: a number of the JSON there
+figure() {
+    grep -o "\"$1\": [^,}]*" "$2" | head -n 1 | sed 's/.*: //'
+}
+
+# nearly A B: to six digits
+nearly() {
+    awk -v a="$1" -v b="$2" 'BEGIN { exit !(a != "" && b != "" && (a - b) ^ 2 <= (1e-6 * b) ^ 2) }'
+}
+
+# ---- mean --------------------------------------------------------------------------------------------------------
+
+expect_status 0 'mean of one' "$hdr" mean -o "$work/one.exr" "$room"
+"$hdr" error --json --against "$room" "$work/one.exr" >"$work/json"
+check 'mean of one: the picture itself' test "$(figure rmse "$work/json")" = 0
+expect_status 0 'mean of three' "$hdr" mean -o "$work/mean.exr" "$work/half.exr" "$work/twice.exr" "$room"
+check 'mean of three: nothing to say' stderr_lines 0
+# (0.5 + 2 + 1) / 3
+"$hdr" expose --ev 0.22239242133644788 -o "$work/wanted.exr" "$room"
+"$hdr" error --json --against "$work/wanted.exr" "$work/mean.exr" >"$work/json"
+check 'mean of three: 7/6 of the picture' awk -v e="$(figure smape "$work/json")" 'BEGIN { exit !(e != "" && e < 1e-6) }'
+for option in -j1 -j3 --memory=1M; do
+    expect_status 0 "mean $option" "$hdr" mean "$option" -o "$work/again.exr" "$work/half.exr" "$work/twice.exr" "$room"
+    check "mean $option: the same bytes" cmp -s "$work/mean.exr" "$work/again.exr"
+done
+# a chain behind it, in one process and through a pipe
+expect_status 0 'mean then' "$hdr" mean : reinhard : pfm -o "$work/chain.pfm" "$work/half.exr" "$work/twice.exr"
+"$hdr" mean "$work/half.exr" "$work/twice.exr" | "$hdr" reinhard | "$hdr" pfm >"$work/pipe.pfm"
+check 'mean through a pipe: the same pixels' cmp -s "$work/chain.pfm" "$work/pipe.pfm"
+"$hdr" mean "$work/half.exr" "$work/twice.exr" | head -c 4 >"$work/start"
+check 'mean puts pixels on a pipe' is_exr "$work/start"
+"$hdr" mean - "$work/twice.exr" <"$work/half.exr" >"$work/stdin.exr"
+"$hdr" mean "$work/half.exr" "$work/twice.exr" >"$work/named.exr"
+check 'mean of standard input and a file' cmp -s "$work/stdin.exr" "$work/named.exr"
+# two numbers a and b: the variance is (a - b)^2 / 2
+"$hdr" mean --show variance : stats --json "$work/half.exr" "$work/twice.exr" >"$work/variance"
+"$hdr" diff --kind squared --exaggerate 0.5 : stats --json "$work/half.exr" "$work/twice.exr" >"$work/squares"
+check 'variance of two' nearly "$(figure max_luminance "$work/variance")" "$(figure max_luminance "$work/squares")"
+expect_status 64 'variance of one' "$hdr" mean --show variance -o "$work/x.exr" "$room"
+check 'variance of one: nothing is written' absent "$work/x.exr"
+expect_status 64 'groups without robust' "$hdr" mean --groups 3 -o "$work/x.exr" "$room"
+expect_status 64 'a variance of medians' "$hdr" mean --robust median-of-means --show variance -o "$work/x.exr" "$room" "$room"
+expect_status 64 'mean behind a verb' "$hdr" clamp : mean "$room" "$room"
+expect_status 64 'mean twice' "$hdr" mean : mean "$room" "$room"
+expect_status 64 'bench of a mean' "$hdr" bench mean : durand "$room" "$room"
+expect_status 65 'other sizes' "$hdr" mean -o "$work/x.exr" "$room" "$other"
+check 'other sizes: one line' one_line_with 'not of one form'
+check 'other sizes: nothing is written' absent "$work/x.exr"
+expect_status 65 'alpha and none' "$hdr" mean -o "$work/x.exr" testdata/tiny/alpha.exr testdata/tiny/grey.exr
+expect_status 66 'a file is missing' "$hdr" mean -o "$work/x.exr" "$room" "$work/missing.exr"
+expect_status 0 'NaN in all renders' "$hdr" mean -o "$work/nan.exr" testdata/tiny/specials.exr testdata/tiny/specials.exr
+check 'NaN in all renders: told' stderr_has 'NaN'
+"$hdr" stats --json "$work/nan.exr" >"$work/json"
+check 'NaN in all renders: 0 in the mean' test "$(figure nan "$work/json")" = 0
+
+# ---- diff --------------------------------------------------------------------------------------------------------
+
+expect_status 0 'diff' "$hdr" diff -o "$work/diff.exr" "$work/twice.exr" "$room"
+"$hdr" error --json --against "$room" "$work/diff.exr" >"$work/json"
+check 'twice a picture less the picture' test "$(figure rmse "$work/json")" = 0
+expect_status 64 'diff of one' "$hdr" diff -o "$work/x.exr" "$room"
+check 'diff of one: which two' stderr_has 'a test and its reference'
+expect_status 64 'diff of three' "$hdr" diff -o "$work/x.exr" "$room" "$room" "$room"
+expect_status 64 'epsilon of a signed difference' "$hdr" diff --epsilon 1 -o "$work/x.exr" "$room" "$room"
+expect_status 0 'diff of alpha' "$hdr" diff -o "$work/alpha.exr" testdata/object.exr testdata/object.exr
+"$hdr" info "$work/alpha.exr" >"$work/info"
+check 'diff has no alpha' test "$(grep -c 'channels  *R float, G float, B float$' "$work/info")" -eq 1
+
+# ---- error -------------------------------------------------------------------------------------------------------
+
+expect_status 0 'error' "$hdr" error --against "$room" "$work/twice.exr"
+for name in bias mae mse rmse mrse mape smape worst 'left out'; do
+    check "error: $name" test "$(grep -c "^  $name " "$work/stdout")" -eq 1
+done
+check 'error: no PSNR of linear pictures' test "$(grep -c psnr "$work/stdout")" -eq 0
+expect_status 0 'error with a peak' "$hdr" error --json --peak 10 --against "$room" "$work/twice.exr"
+mse=$(figure mse "$work/stdout")
+check 'error: psnr' nearly "$(figure psnr "$work/stdout")" "$(awk -v m="$mse" 'BEGIN { print 10 * log(100 / m) / log(10) }')"
+"$hdr" srgb -o "$work/srgb.exr" "$room"
+"$hdr" clamp --max 0.5 : srgb -o "$work/dim.exr" "$room"
+expect_status 0 'error of encoded pictures' "$hdr" error --json --against "$work/srgb.exr" "$work/dim.exr"
+check 'the peak of an encoded picture is 1' test "$(figure peak "$work/stdout")" = 1
+expect_status 65 'encoded against linear' "$hdr" error --against "$room" "$work/srgb.exr"
+expect_status 0 'a ranking' "$hdr" error --against "$room" "$work/twice.exr" "$room" "$work/half.exr" "$work/half.exr"
+check 'a ranking: the picture itself comes first' test "$(sed -n 2p "$work/stdout" | awk '{ print $NF }')" = "$room"
+check 'a ranking: the worst comes last' test "$(sed -n 5p "$work/stdout" | awk '{ print $NF }')" = "$work/twice.exr"
+check 'a ranking: what is the same cannot be told apart' test "$(sed -n 4p "$work/stdout" | awk '{ print $2 }')" = =
+# the sun's square outweighs all others in the room; where all count alike, there is no doubt
+"$hdr" clamp --max 0.05 -o "$work/even.exr" testdata/interior.exr
+"$hdr" expose --ev 1 -o "$work/even2.exr" "$work/even.exr"
+"$hdr" expose --ev -1 -o "$work/even3.exr" "$work/even.exr"
+expect_status 0 'a clear ranking' "$hdr" error --against "$work/even.exr" "$work/even2.exr" "$work/even3.exr"
+check 'a clear ranking: what differs can be told apart' test "$(sed -n 3p "$work/stdout" | awk '{ print $2 }')" != =
+expect_status 0 'csv' "$hdr" error --csv --against "$room" "$work/twice.exr" "$work/half.exr"
+check 'csv: a head and two lines' test "$(wc -l <"$work/stdout")" -eq 3
+check 'csv: as many fields in all' test "$(awk -F , '{ print NF }' "$work/stdout" | sort -u)" = 9
+rmse=$("$hdr" error --json --against "$room" "$work/twice.exr" | grep -o '"rmse": [^,]*' | sed 's/.*: //')
+expect_status 0 'threshold: not above' "$hdr" error --threshold "rmse=$rmse" --against "$room" "$work/twice.exr"
+below=$(awk -v r="$rmse" 'BEGIN { printf "%.12g", r * 0.999 }')
+expect_status 1 'threshold: above' "$hdr" error --threshold "rmse=$below" --against "$room" "$work/twice.exr"
+check 'threshold: one line' one_line_with 'above'
+for wrong in rmse rmse= rmse=x =1 psnr=3 rmse=-1; do
+    expect_status 64 "--threshold $wrong" "$hdr" error --threshold "$wrong" --against "$room" "$room"
+done
+expect_status 64 'no reference' "$hdr" error "$room"
+expect_status 64 'no test' "$hdr" error --against "$room"
+expect_status 64 'csv and json' "$hdr" error --csv --json --against "$room" "$room"
+expect_status 64 'a chain in front' "$hdr" clamp : error --against "$room" "$room"
+expect_status 66 'no such reference' "$hdr" error --against "$work/missing" "$room"
+expect_status 1 'no such test among others' "$hdr" error --against "$room" "$room" "$work/missing"
+expect_status 65 'another size' "$hdr" error --against "$room" "$other"
+
+finish test_measure
