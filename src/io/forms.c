@@ -62,3 +62,31 @@ uint64_t hdr_block_load(const hdr_block *block, int channel, int row, size_t x, 
         strange += !isfinite(out[i]);
     return strange;
 }
+
+static void visit_row(const hdr_source *source, const hdr_block *block, int row, hdr_visit visit, void *context,
+                      uint64_t *strange) {
+    size_t width = (size_t)hdr_window_width(&source->picture.data);
+    double values[HDR_STRIP];
+    for (int channel = 0; channel < 4; channel++)
+        for (size_t x = 0; x < width && source->picture.present[channel]; x += HDR_STRIP) {
+            size_t count = width - x < HDR_STRIP ? width - x : HDR_STRIP;
+            *strange += hdr_block_load(block, channel, row - block->first_row, x, values, count);
+            visit(context, channel, row, x, values, count);
+        }
+}
+
+hdr_status hdr_source_visit(hdr_source *source, int first, int end, hdr_visit visit, void *context, uint64_t *strange,
+                            hdr_error *err) {
+    void *worker = NULL;
+    hdr_block block = {0};
+    int current = -1;
+    hdr_status status = source->worker_new(source, &worker, err);
+    for (int row = first; row < end && status == HDR_OK; row++) {
+        int wanted = hdr_source_block_of(source, row);
+        if (wanted != current) status = source->read(source, worker, wanted, &block, err);
+        current = wanted;
+        if (status == HDR_OK) visit_row(source, &block, row, visit, context, strange);
+    }
+    if (worker) source->worker_free(source, worker);
+    return status;
+}

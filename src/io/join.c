@@ -63,36 +63,19 @@ static double *state_of(const join_source *source, const join_worker *w, int cha
     return w->state + at * HDR_STRIP * (size_t)source->joining.slots;
 }
 
-static void add_row(const join_source *source, join_worker *w, int picture, const hdr_block *block, int block_row,
-                    int row) {
-    size_t width = width_of(source);
-    double values[HDR_STRIP];
-    for (int c = 0; c < 4; c++) {
-        if (!source->base.picture.present[c]) continue;
-        for (size_t x = 0; x < width; x += HDR_STRIP) {
-            size_t count = width - x < HDR_STRIP ? width - x : HDR_STRIP;
-            w->left_out += hdr_block_load(block, c, block_row, x, values, count);
-            source->joining.add(&source->joining, picture, values, state_of(source, w, c, row, x / HDR_STRIP), count);
-        }
-    }
-}
+/* What numbers of one picture are added to. */
+typedef struct adding {
+    const join_source *source;
+    join_worker *worker;
+    int picture, first;
+} adding;
 
-/* Rows first ... end-1 of one picture. Its own worker lives no longer than that: there may be hundreds of pictures. */
-static hdr_status add_picture(const join_source *source, join_worker *w, int picture, int first, int end,
-                              hdr_error *err) {
-    hdr_source *member = source->members[picture];
-    void *reader = NULL;
-    hdr_block block = {0};
-    int current = -1;
-    hdr_status status = member->worker_new(member, &reader, err);
-    for (int row = first; row < end && status == HDR_OK; row++) {
-        int wanted = hdr_source_block_of(member, row);
-        if (wanted != current) status = member->read(member, reader, wanted, &block, err);
-        current = wanted;
-        if (status == HDR_OK) add_row(source, w, picture, &block, row - block.first_row, row - first);
-    }
-    if (reader) member->worker_free(member, reader);
-    return status;
+static void add_numbers(void *context, int channel, int row, size_t x, const double *values, size_t count) {
+    const adding *a = context;
+    const hdr_joining *joining = &a->source->joining;
+    if (!a->source->base.picture.present[channel]) return;
+    joining->add(joining, a->picture, values, state_of(a->source, a->worker, channel, row - a->first, x / HDR_STRIP),
+                 count);
 }
 
 static void end_block(const join_source *source, const join_worker *w, int rows, hdr_block *out) {
@@ -126,7 +109,8 @@ static hdr_status read_block(hdr_source *base, void *worker, int index, hdr_bloc
                sizeof *w->state);
     hdr_status status = HDR_OK;
     for (int picture = 0; picture < source->joining.pictures && status == HDR_OK; picture++)
-        status = add_picture(source, w, picture, first, end, err);
+        status = hdr_source_visit(source->members[picture], first, end, add_numbers,
+                                  &(adding){source, w, picture, first}, &w->left_out, err);
     if (status != HDR_OK) return status;
     end_block(source, w, end - first, out);
     if (!atomic_exchange(&source->seen[index], 1)) atomic_fetch_add(&source->left_out, w->left_out);
