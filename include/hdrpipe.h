@@ -410,6 +410,36 @@ hdr_status hdr_compare(const hdr_chain *chain, hdr_input *test, hdr_input *refer
                        hdr_comparison *out, hdr_error *err);
 void hdr_comparison_free(hdr_comparison *comparison);
 
+/* ---- Noise ----------------------------------------------------------------------------------------------------------
+ */
+
+enum { HDR_NOISE_LEVELS = 16 };
+
+/* What independent renders of a scene tell of their noise, without a reference: the root mean variance over pixels and
+ * colour channels, which for an unbiased renderer estimates the RMSE of one render. Standard errors are those of the
+ * jackknife over renders; below 0 where there are fewer than 3. */
+typedef struct hdr_noise {
+    hdr_picture picture; /* the first render's */
+    int renders;
+    uint64_t numbers;  /* components that are finite in all renders: what the figures are taken over */
+    uint64_t left_out; /* components of single renders that are not */
+    double rmv, error; /* of one render; that of the mean of all is rmv / sqrt(renders) */
+    double epsilon, relative, relative_error; /* the root of the mean of variance / (mean^2 + epsilon) */
+    int levels;
+    struct {
+        int size; /* of the mean of so many renders: 1, 2, 4, ...; independent ones give rmv / sqrt(size) */
+        double rmv, error;
+    } level[HDR_NOISE_LEVELS];
+    float *share; /* if asked for: of each pixel, row after row, its share of further samples; their mean is 1 */
+} hdr_noise;
+
+/* Measures it. Pictures are taken as they are stored; of the chain only the common options matter. The result does not
+ * depend on threads. Release it with hdr_noise_free, whatever the status. HDR_USAGE: fewer than two; HDR_BAD_DATA: they
+ * are not of one form. */
+hdr_status hdr_measure_noise(const hdr_chain *chain, int count, hdr_input *const inputs[], double epsilon, bool share,
+                             hdr_noise *out, hdr_error *err);
+void hdr_noise_free(hdr_noise *noise);
+
 /* ---- Surrounds ------------------------------------------------------------------------------------------------------
  */
 

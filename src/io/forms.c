@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static hdr_status refuse(const hdr_input *other, const hdr_input *first, const char *why, hdr_error *err) {
@@ -13,8 +14,9 @@ static hdr_status refuse(const hdr_input *other, const hdr_input *first, const c
                     hdr_input_name(other), why);
 }
 
-hdr_status hdr_forms_agree(const hdr_input *other, const hdr_picture *picture, const hdr_input *first,
-                           const hdr_picture *wanted, bool alpha, hdr_error *err) {
+/* Whether a picture has the first one's form. */
+static hdr_status compare_forms(const hdr_input *other, const hdr_picture *picture, const hdr_input *first,
+                                const hdr_picture *wanted, bool alpha, hdr_error *err) {
     char why[200];
     if (memcmp(&picture->data, &wanted->data, sizeof picture->data) != 0) {
         snprintf(why, sizeof why, "%lld x %lld pixels from %d,%d and %lld x %lld from %d,%d",
@@ -37,6 +39,30 @@ hdr_status hdr_forms_agree(const hdr_input *other, const hdr_picture *picture, c
         return refuse(other, first, why, err);
     }
     return HDR_OK;
+}
+
+void hdr_close_alike(int count, hdr_source **sources) {
+    for (int i = 0; sources && i < count; i++)
+        hdr_source_close(sources[i]);
+    free(sources);
+}
+
+hdr_source **hdr_open_alike(int count, hdr_input *const inputs[], const hdr_reading *reading, bool alpha,
+                            hdr_error *err) {
+    hdr_source **sources = hdr_alloc((size_t)count, sizeof(hdr_source *));
+    if (!sources) {
+        hdr_fail(err, HDR_INTERNAL, "out of memory");
+        return NULL;
+    }
+    for (int i = 0; i < count; i++) {
+        sources[i] = hdr_source_open(inputs[i], reading, err);
+        if (sources[i] &&
+            compare_forms(inputs[i], &sources[i]->picture, inputs[0], &sources[0]->picture, alpha, err) == HDR_OK)
+            continue;
+        hdr_close_alike(count, sources);
+        return NULL;
+    }
+    return sources;
 }
 
 uint64_t hdr_block_load(const hdr_block *block, int channel, int row, size_t x, double *out, size_t count) {

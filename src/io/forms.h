@@ -4,10 +4,11 @@
 
 #include "io/source.h"
 
-/* Whether a picture has the form of the first: data window, channels (alpha, if that matters), primaries, encoding.
- * HDR_BAD_DATA: what differs. */
-hdr_status hdr_forms_agree(const hdr_input *other, const hdr_picture *picture, const hdr_input *first,
-                           const hdr_picture *wanted, bool alpha, hdr_error *err);
+/* Opens pictures that must have one form: data window, channels (alpha, if that matters), primaries, encoding. NULL:
+ * err is filled, HDR_BAD_DATA where they have not. Close them with hdr_close_alike, which takes NULL. */
+hdr_source **hdr_open_alike(int count, hdr_input *const inputs[], const hdr_reading *reading, bool alpha,
+                            hdr_error *err);
+void hdr_close_alike(int count, hdr_source **sources);
 
 /* count <= HDR_STRIP numbers from x on of a block's row, counted from the block's first, as they are stored. How many
  * of them are not finite. */

@@ -125,9 +125,7 @@ uint64_t hdr_join_left_out(const hdr_source *source) {
 
 static void close_source(hdr_source *base) {
     join_source *source = (join_source *)base;
-    for (int i = 0; source->members && i < source->joining.pictures; i++)
-        hdr_source_close(source->members[i]);
-    free(source->members);
+    hdr_close_alike(source->joining.pictures, source->members);
     free(source->seen);
     free(source);
 }
@@ -152,20 +150,6 @@ static void describe(join_source *source) {
         height > 0 && hdr_window_width(&base->picture.data) > 0 ? hdr_source_block_of(base, (int)(height - 1)) + 1 : 0;
 }
 
-static hdr_status open_members(join_source *source, const hdr_joined *joined, const hdr_reading *reading,
-                               hdr_error *err) {
-    source->members = hdr_alloc((size_t)joined->count, sizeof(hdr_source *));
-    if (!source->members) return hdr_fail(err, HDR_INTERNAL, "out of memory");
-    for (int i = 0; i < joined->count; i++) {
-        source->members[i] = hdr_source_open(joined->members[i], reading, err);
-        if (!source->members[i]) return HDR_BAD_DATA;
-        hdr_status status = hdr_forms_agree(joined->members[i], &source->members[i]->picture, joined->members[0],
-                                            &source->members[0]->picture, source->joining.alpha, err);
-        if (status != HDR_OK) return status;
-    }
-    return HDR_OK;
-}
-
 hdr_source *hdr_join_open(hdr_input *input, const hdr_reading *reading, const hdr_joining *joining, hdr_error *err) {
     join_source *source = hdr_alloc(1, sizeof *source);
     if (!source) {
@@ -177,13 +161,14 @@ hdr_source *hdr_join_open(hdr_input *input, const hdr_reading *reading, const hd
     source->base.worker_free = worker_free;
     source->base.read = read_block;
     source->base.close = close_source;
-    hdr_status status = open_members(source, hdr_input_get_joined(input), reading, err);
-    if (status == HDR_OK) {
+    const hdr_joined *joined = hdr_input_get_joined(input);
+    source->members = hdr_open_alike(joined->count, joined->members, reading, joining->alpha, err);
+    if (source->members) {
         describe(source);
         source->seen = hdr_alloc((size_t)source->base.blocks, sizeof *source->seen);
-        if (!source->seen) status = hdr_fail(err, HDR_INTERNAL, "out of memory");
+        if (source->seen) return &source->base;
+        hdr_fail(err, HDR_INTERNAL, "out of memory");
     }
-    if (status == HDR_OK) return &source->base;
     close_source(&source->base);
     return NULL;
 }

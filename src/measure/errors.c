@@ -27,8 +27,7 @@ typedef struct reader {
 } reader;
 
 typedef struct comparing {
-    hdr_input *input[2];
-    hdr_source *source[2];
+    hdr_source **source; /* two */
     double epsilon;
     int width, height, band_rows, bands, columns, rows; /* columns, rows: of tiles */
     double (*sums)[4][HDR_ERROR_SUMS];                  /* of each tile, of each channel */
@@ -159,16 +158,6 @@ static hdr_status sum_up(const comparing *c, hdr_comparison *out, hdr_error *err
 
 /* ---- In all ---- */
 
-static hdr_status open_sources(comparing *c, const hdr_chain *chain, hdr_error *err) {
-    hdr_reading reading = hdr_chain_reading(chain);
-    for (int which = TEST; which <= REFERENCE; which++) {
-        c->source[which] = hdr_source_open(c->input[which], &reading, err);
-        if (!c->source[which]) return HDR_BAD_DATA;
-    }
-    return hdr_forms_agree(c->input[TEST], &c->source[TEST]->picture, c->input[REFERENCE],
-                           &c->source[REFERENCE]->picture, false, err);
-}
-
 /* Bands hold whole blocks of both pictures, where these begin alike, and whole tiles. */
 static hdr_status lay_out(comparing *c, int threads, hdr_error *err) {
     const hdr_window *data = &c->source[TEST]->picture.data;
@@ -195,12 +184,11 @@ static hdr_status lay_out(comparing *c, int threads, hdr_error *err) {
 }
 
 static void close_all(comparing *c) {
-    for (int which = TEST; which <= REFERENCE; which++) {
-        for (int t = 0; c->readers && t < c->threads; t++)
+    for (int t = 0; c->readers && t < c->threads; t++)
+        for (int which = TEST; which <= REFERENCE; which++)
             if (c->readers[t].worker[which])
                 c->source[which]->worker_free(c->source[which], c->readers[t].worker[which]);
-        hdr_source_close(c->source[which]);
-    }
+    hdr_close_alike(2, c->source);
     free(c->sums);
     free(c->worsts);
     free(c->readers);
@@ -208,10 +196,12 @@ static void close_all(comparing *c) {
 
 hdr_status hdr_compare(const hdr_chain *chain, hdr_input *test, hdr_input *reference, double epsilon,
                        hdr_comparison *out, hdr_error *err) {
-    comparing c = {.input = {test, reference}, .epsilon = epsilon};
+    comparing c = {.epsilon = epsilon};
     *out = (hdr_comparison){.epsilon = epsilon};
-    hdr_status status = open_sources(&c, chain, err);
-    if (status == HDR_OK) status = lay_out(&c, hdr_chain_settings(chain)->threads, err);
+    hdr_reading reading = hdr_chain_reading(chain);
+    c.source = hdr_open_alike(2, (hdr_input *const[]){test, reference}, &reading, false, err);
+    if (!c.source) return err->status;
+    hdr_status status = lay_out(&c, hdr_chain_settings(chain)->threads, err);
     hdr_pool *pool = status == HDR_OK ? hdr_pool_new(c.threads, err) : NULL;
     if (status == HDR_OK && !pool) status = HDR_INTERNAL;
     if (status == HDR_OK) status = hdr_pool_run(pool, c.bands, compare_band, &c, err);
