@@ -15,11 +15,18 @@ void cmd_report(const hdr_error *error);
 /* What a run has to say, to standard error: notes unless -q, the plan and details as the library sends them. */
 hdr_listener cmd_listener(const hdr_chain *chain);
 
-/* What the chain is run on: the file that is named, standard input where none is, or all of them joined. */
+/* All files that are named, or standard input where none is. count 0: the error is filled. */
+typedef struct cmd_inputs {
+    hdr_input **inputs;
+    int count;
+} cmd_inputs;
+cmd_inputs cmd_open_files(const hdr_chain *chain, hdr_error *error);
+void cmd_close_files(cmd_inputs *opened);
+
+/* What the chain is run on: the first of them, or all joined, if that is how it begins. */
 typedef struct cmd_input {
     hdr_input *input; /* NULL: the error is filled */
-    hdr_input **members;
-    int count;
+    cmd_inputs members;
 } cmd_input;
 cmd_input cmd_open_input(const hdr_chain *chain, hdr_error *error);
 void cmd_close_input(cmd_input *opened);
@@ -68,6 +75,9 @@ hdr_status cmd_stats(hdr_chain *chain, hdr_error *error);
 
 /* error.c */
 hdr_status cmd_error(hdr_chain *chain, hdr_error *error);
+
+/* noise.c */
+hdr_status cmd_noise(hdr_chain *chain, hdr_error *error);
 
 /* bench.c: the chain behind `hdr bench` */
 hdr_status cmd_bench(hdr_chain *chain, hdr_error *error);

@@ -16,7 +16,8 @@
 static const struct program {
     const char *name;
     hdr_status (*run)(hdr_chain *chain, hdr_error *error);
-} programs[] = {{"info", cmd_info}, {"stats", cmd_stats}, {"bench", cmd_bench}, {"error", cmd_error}};
+} programs[] = {
+    {"info", cmd_info}, {"stats", cmd_stats}, {"bench", cmd_bench}, {"error", cmd_error}, {"noise", cmd_noise}};
 
 /* ---- Words to standard error ---- */
 
@@ -133,34 +134,52 @@ static void allow_many_files(void) {
     (void)setrlimit(RLIMIT_NOFILE, &limit); /* where it is refused, opening tells */
 }
 
-cmd_input cmd_open_input(const hdr_chain *chain, hdr_error *error) {
+cmd_inputs cmd_open_files(const hdr_chain *chain, hdr_error *error) {
     const char *const *files = hdr_chain_files(chain);
-    cmd_input opened = {NULL, NULL, 0};
-    if (!hdr_chain_joins(chain)) {
-        opened.input = hdr_input_open(files[0], error);
-        return opened;
-    }
+    cmd_inputs opened = {NULL, 0};
     int count = 0;
     while (files[count])
         count++;
     if (count == 0) count = 1; /* standard input */
     allow_many_files();
-    opened.members = calloc((size_t)count, sizeof(hdr_input *));
-    for (; opened.members && opened.count < count; opened.count++) {
-        opened.members[opened.count] = hdr_input_open(files[opened.count], error);
-        if (!opened.members[opened.count]) return opened;
+    opened.inputs = calloc((size_t)count, sizeof(hdr_input *));
+    if (!opened.inputs) {
+        snprintf(error->message, sizeof error->message, "out of memory");
+        error->status = HDR_INTERNAL;
+        return opened;
     }
-    if (opened.members) opened.input = hdr_input_join(count, opened.members, error);
-    if (!opened.members) snprintf(error->message, sizeof error->message, "out of memory");
-    if (!opened.members) error->status = HDR_INTERNAL;
+    while (opened.count < count) {
+        hdr_input *input = hdr_input_open(files[opened.count], error);
+        if (!input) {
+            cmd_close_files(&opened);
+            return opened;
+        }
+        opened.inputs[opened.count++] = input;
+    }
+    return opened;
+}
+
+void cmd_close_files(cmd_inputs *opened) {
+    for (int i = 0; i < opened->count; i++)
+        hdr_input_free(opened->inputs[i]);
+    free(opened->inputs);
+    *opened = (cmd_inputs){NULL, 0};
+}
+
+cmd_input cmd_open_input(const hdr_chain *chain, hdr_error *error) {
+    cmd_input opened = {NULL, {NULL, 0}};
+    if (!hdr_chain_joins(chain)) {
+        opened.input = hdr_input_open(hdr_chain_files(chain)[0], error);
+        return opened;
+    }
+    opened.members = cmd_open_files(chain, error);
+    if (opened.members.count) opened.input = hdr_input_join(opened.members.count, opened.members.inputs, error);
     return opened;
 }
 
 void cmd_close_input(cmd_input *opened) {
     hdr_input_free(opened->input);
-    for (int i = 0; i < opened->count; i++)
-        hdr_input_free(opened->members[i]);
-    free(opened->members);
+    cmd_close_files(&opened->members);
 }
 
 /* ---- Running ---- */
@@ -169,7 +188,7 @@ void cmd_close_input(cmd_input *opened) {
 static hdr_status compute(hdr_chain *chain, hdr_error *error) {
     hdr_listener listener = cmd_listener(chain);
     hdr_output *output = open_output(chain, error);
-    cmd_input opened = output ? cmd_open_input(chain, error) : (cmd_input){NULL, NULL, 0};
+    cmd_input opened = output ? cmd_open_input(chain, error) : (cmd_input){NULL, {NULL, 0}};
     hdr_status status = opened.input ? hdr_chain_run(chain, opened.input, output, &listener, error) : error->status;
     cmd_close_input(&opened);
     hdr_output_free(output);

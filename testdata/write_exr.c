@@ -99,8 +99,21 @@ static void set_channel_sources(exr_encode_pipeline_t *encoder, const Picture *p
     }
 }
 
+/*
+ * The library's routine, kept in user data. A chunk that is as large as its pixels counts as not compressed, for every
+ * reader; of one that compression leaves at that very size, up to 3.1 the library stores the compressed bytes.
+ */
+static exr_result_t compress_or_store(exr_encode_pipeline_t *encoder) {
+    exr_result_t (*const *compress)(exr_encode_pipeline_t *) = encoder->encoding_user_data;
+    exr_result_t result = (*compress)(encoder);
+    if (result == EXR_ERR_SUCCESS && encoder->compressed_bytes == encoder->packed_bytes)
+        memcpy(encoder->compressed_buffer, encoder->packed_buffer, encoder->packed_bytes);
+    return result;
+}
+
 static exr_result_t write_chunks(exr_context_t file, const Picture *picture, const uint8_t *pixels, size_t row_size) {
     exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
+    exr_result_t (*compress)(exr_encode_pipeline_t *) = NULL;
     int32_t rows_per_chunk = 0;
     exr_result_t result = exr_get_scanlines_per_chunk(file, ONLY_PART, &rows_per_chunk);
     for (int row = 0; result == EXR_ERR_SUCCESS && row < window_height(picture); row += rows_per_chunk) {
@@ -111,7 +124,12 @@ static exr_result_t write_chunks(exr_context_t file, const Picture *picture, con
                               : exr_encoding_update(file, ONLY_PART, &chunk, &encoder);
         if (result != EXR_ERR_SUCCESS) break;
         set_channel_sources(&encoder, picture, pixels + (size_t)row * row_size);
-        if (row == 0) result = exr_encoding_choose_default_routines(file, ONLY_PART, &encoder);
+        if (row == 0) {
+            result = exr_encoding_choose_default_routines(file, ONLY_PART, &encoder);
+            compress = encoder.compress_fn;
+            encoder.encoding_user_data = &compress;
+            if (compress) encoder.compress_fn = compress_or_store;
+        }
         if (result == EXR_ERR_SUCCESS) result = exr_encoding_run(file, ONLY_PART, &encoder);
     }
     exr_result_t freed = encoder.context ? exr_encoding_destroy(file, &encoder) : EXR_ERR_SUCCESS;

@@ -1,0 +1,127 @@
+/* hdr noise: how noisy independent renders are. */
+#include "cmd.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* How many renders have a mean whose RMSE is the target; 0: none is asked for. */
+static double renders_for(const hdr_noise *noise, double target) {
+    double ratio = target > 0 ? noise->rmv / target : 0;
+    return ceil(ratio * ratio);
+}
+
+/* ---- For people ---- */
+
+static void print_error(double error) {
+    if (error >= 0) printf(" +- %.3g", error);
+    putchar('\n');
+}
+
+static void print_text(const hdr_noise *noise, double target) {
+    double root = sqrt(noise->renders);
+    printf("%d renders, %d x %d pixels, %llu components", noise->renders,
+           noise->picture.data.max_x - noise->picture.data.min_x + 1,
+           noise->picture.data.max_y - noise->picture.data.min_y + 1, (unsigned long long)noise->numbers);
+    if (noise->left_out > 0) printf(", %llu left out (NaN or infinite)", (unsigned long long)noise->left_out);
+    printf("\n  rmv of one render   %.9g", noise->rmv);
+    print_error(noise->error);
+    printf("  rmv of their mean   %.9g", noise->rmv / root);
+    print_error(noise->error / root);
+    printf("  relative (E %g)   %.9g", noise->epsilon, noise->relative);
+    print_error(noise->relative_error);
+    printf("\n  %-10s %-14s %-12s %-14s %s\n", "mean of", "rmv", "+-", "independent", "ratio");
+    for (int l = 0; l < noise->levels; l++) {
+        double expected = noise->rmv / sqrt(noise->level[l].size);
+        printf("  %-10d %-14.9g ", noise->level[l].size, noise->level[l].rmv);
+        if (noise->level[l].error >= 0)
+            printf("%-12.3g ", noise->level[l].error);
+        else
+            printf("%-12s ", "");
+        printf("%-14.9g %.4g\n", expected, expected > 0 ? noise->level[l].rmv / expected : 1);
+    }
+    if (target <= 0) return;
+    double needed = renders_for(noise, target), more = needed - noise->renders;
+    printf("\n  for an RMSE of %g: %.0f renders, %.0f more\n", target, needed, more > 0 ? more : 0);
+}
+
+/* ---- For programs ---- */
+
+static void print_json_error(const char *key, double error) {
+    printf(", \"%s\": ", key);
+    if (error >= 0)
+        cmd_print_json_number(error);
+    else
+        printf("null");
+}
+
+static void print_json_value(const char *key, double value) {
+    printf(", \"%s\": ", key);
+    cmd_print_json_number(value);
+}
+
+static void print_json(const hdr_noise *noise, double target) {
+    printf("{\"renders\": %d, \"numbers\": %llu, \"left_out\": %llu", noise->renders,
+           (unsigned long long)noise->numbers, (unsigned long long)noise->left_out);
+    print_json_value("rmv", noise->rmv);
+    print_json_error("rmv_error", noise->error);
+    print_json_value("epsilon", noise->epsilon);
+    print_json_value("relative", noise->relative);
+    print_json_error("relative_error", noise->relative_error);
+    printf(", \"convergence\": [");
+    for (int l = 0; l < noise->levels; l++) {
+        printf("%s{\"mean_of\": %d", l > 0 ? ", " : "", noise->level[l].size);
+        print_json_value("rmv", noise->level[l].rmv);
+        print_json_error("rmv_error", noise->level[l].error);
+        putchar('}');
+    }
+    putchar(']');
+    if (target > 0) {
+        print_json_value("target", target);
+        print_json_value("renders_for_target", renders_for(noise, target));
+    }
+    printf("}\n");
+}
+
+/* ---- hdr noise ---- */
+
+/* A picture of one plane, in the format that the output's name asks for. */
+static hdr_status write_map(const hdr_chain *chain, const hdr_noise *noise, hdr_output *output, hdr_error *error) {
+    const hdr_window *data = &noise->picture.data;
+    const float *plane[3] = {noise->share, NULL, NULL};
+    hdr_listener listener = cmd_listener(chain);
+    hdr_chain *plain = hdr_chain_new(error);
+    hdr_input *input =
+        hdr_input_planes(data->max_x - data->min_x + 1, data->max_y - data->min_y + 1, 1, plane, NULL, error);
+    hdr_status status = plain && input ? hdr_chain_run(plain, input, output, &listener, error) : error->status;
+    hdr_input_free(input);
+    hdr_chain_free(plain);
+    return status;
+}
+
+static double given_number(const hdr_chain *chain, const char *name, double otherwise) {
+    const char *text = hdr_chain_given(chain, 1, name);
+    return text ? strtod(text, NULL) : otherwise;
+}
+
+hdr_status cmd_noise(hdr_chain *chain, hdr_error *error) {
+    if (hdr_chain_clause(chain, 2)) return cmd_refuse(error, "noise reads files: write what a chain makes first");
+    const char *map = hdr_chain_given(chain, 1, "sampling-map");
+    hdr_output *output = map ? hdr_output_open(map, error) : NULL;
+    if (map && !output) return error->status;
+    double target = given_number(chain, "target", 0);
+    cmd_inputs opened = cmd_open_files(chain, error);
+    hdr_noise noise = {.renders = 0};
+    hdr_status status = opened.count > 0 ? hdr_measure_noise(chain, opened.count, opened.inputs,
+                                                             given_number(chain, "epsilon", 0.01), map, &noise, error)
+                                         : error->status;
+    if (status == HDR_OK && map) status = write_map(chain, &noise, output, error);
+    if (status == HDR_OK && hdr_chain_settings(chain)->json)
+        print_json(&noise, target);
+    else if (status == HDR_OK)
+        print_text(&noise, target);
+    hdr_noise_free(&noise);
+    cmd_close_files(&opened);
+    hdr_output_free(output);
+    return status;
+}
