@@ -38,7 +38,8 @@ typedef struct measuring {
 
 /* What a band is made in: rows of doubles, one for each number of the band. */
 typedef struct worker {
-    double *mean;                         /* of all renders so far; then of all */
+    double *origin; /* the first render's number: all others are taken from there, so that bright ones lose no digits */
+    double *mean;   /* of all renders so far; then of all */
     double *level_mean[HDR_NOISE_LEVELS]; /* of all groups of that size */
     double *partial[HDR_NOISE_LEVELS];    /* of the group under way: the sum */
     double *squares;                      /* of differences from the mean */
@@ -60,7 +61,8 @@ static void see_number(worker *w, size_t i, double value) {
         w->strange[i] = 1;
         return;
     }
-    w->mean[i] += (value - w->mean[i]) / (w->render + 1);
+    if (w->render == 0) w->origin[i] = value;
+    w->mean[i] += (value - w->origin[i] - w->mean[i]) / (w->render + 1);
     for (int l = 0; l < w->m->levels; l++)
         if (w->render + 1 == w->m->level[l].size * w->m->level[l].groups) w->level_mean[l][i] = w->mean[i];
 }
@@ -83,7 +85,8 @@ static void end_group(worker *w, int l, size_t at, size_t count) {
         sum += d * d;
         partial[i] = 0;
         if (l > 0) continue;
-        relative += d * d / (mean[i] * mean[i] + w->m->epsilon);
+        double whole = w->origin[i] + mean[i];
+        relative += d * d / (whole * whole + w->m->epsilon);
         w->squares[i] += d * d;
     }
     w->sums[level->first + group] += sum;
@@ -99,7 +102,7 @@ static void take_differences(void *context, int channel, int row, size_t x, cons
         const level *level = &m->level[l];
         if (w->render >= level->size * level->groups) continue;
         for (size_t i = 0; i < count; i++)
-            w->partial[l][at + i] += w->strange[at + i] ? 0 : values[i];
+            w->partial[l][at + i] += w->strange[at + i] ? 0 : values[i] - w->origin[at + i];
         if ((w->render + 1) % level->size == 0) end_group(w, l, at, count);
     }
 }
@@ -123,6 +126,7 @@ static hdr_status measure_band(void *context, int band, int thread, hdr_error *e
     int end = (band + 1) * m->band_rows < m->height ? (band + 1) * m->band_rows : m->height;
     w->first = band * m->band_rows;
     w->sums = m->sums + (size_t)band * (size_t)(m->groups + m->renders + 1);
+    memset(w->origin, 0, numbers * sizeof *w->origin);
     memset(w->mean, 0, numbers * sizeof *w->mean);
     memset(w->squares, 0, numbers * sizeof *w->squares);
     memset(w->strange, 0, numbers);
@@ -218,10 +222,11 @@ static hdr_status make_workers(measuring *m, hdr_error *err) {
     for (int t = 0; made && t < m->threads; t++) {
         worker *w = &m->workers[t];
         w->m = m;
+        w->origin = hdr_alloc(numbers, sizeof *w->origin);
         w->mean = hdr_alloc(numbers, sizeof *w->mean);
         w->squares = hdr_alloc(numbers, sizeof *w->squares);
         w->strange = hdr_alloc(numbers, 1);
-        made = w->mean && w->squares && w->strange;
+        made = w->origin && w->mean && w->squares && w->strange;
         for (int l = 0; made && l < m->levels; l++) {
             w->level_mean[l] = hdr_alloc(numbers, sizeof *w->mean);
             w->partial[l] = hdr_alloc(numbers, sizeof *w->mean);
@@ -249,6 +254,7 @@ static hdr_status lay_out(measuring *m, int threads, bool share, hdr_error *err)
 
 static void close_all(measuring *m) {
     for (int t = 0; m->workers && t < m->threads; t++) {
+        free(m->workers[t].origin);
         free(m->workers[t].mean);
         free(m->workers[t].squares);
         free(m->workers[t].strange);

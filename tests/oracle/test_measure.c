@@ -395,6 +395,124 @@ static void test_errors(void) {
     }
 }
 
+/* ---- Noise ---- */
+
+/* The root mean variance of the means of `size` renders that follow each other, leaving out group `without` (-1: none);
+ * relative: of differences divided by the root of mean^2 + e. */
+static long double naive_rmv(const pictures *p, int size, int without, long double e, bool relative) {
+    int groups = p->count / size;
+    long double sum = 0, numbers = 0;
+    for (size_t n = 0; n < pixels_of(p) * (size_t)p->planes; n++) {
+        long double group[MOST], mean = 0, squares = 0, all = 0;
+        bool finite = true;
+        int used = 0;
+        for (int i = 0; i < p->count; i++)
+            finite &= isfinite(p->numbers[i][n]) != 0;
+        if (!finite) continue;
+        for (int g = 0; g < groups; g++) {
+            group[g] = 0;
+            for (int i = 0; i < size; i++)
+                group[g] += (long double)p->numbers[g * size + i][n] / size;
+            all += group[g] / groups;
+            if (g == without) continue;
+            mean += group[g];
+            used++;
+        }
+        mean /= used;
+        for (int g = 0; g < groups; g++)
+            if (g != without) squares += (group[g] - mean) * (group[g] - mean) / (used - 1);
+        sum += relative ? squares / (all * all + e) : squares;
+        numbers++;
+    }
+    return numbers > 0 ? sqrtl(sum / numbers) : 0;
+}
+
+static void check_rmv(const pictures *p, int size, double e, bool relative, double rmv, double error) {
+    int groups = p->count / size;
+    long double expected = naive_rmv(p, size, -1, (long double)e, relative), mean = 0, squares = 0, without[MOST];
+    CHECK(fabsl((long double)rmv - expected) <= 1e-12L * expected, "RMV of means of %d: %.17g, should be %.17Lg", size,
+          rmv, expected);
+    CHECK((error < 0) == (groups < 3), "means of %d: a standard error of %d groups", size, groups);
+    if (groups < 3) return;
+    for (int g = 0; g < groups; g++)
+        mean += (without[g] = naive_rmv(p, size, g, (long double)e, relative)) / groups;
+    for (int g = 0; g < groups; g++)
+        squares += (without[g] - mean) * (without[g] - mean);
+    expected = sqrtl(squares * (groups - 1) / groups);
+    CHECK(fabsl((long double)error - expected) <= 1e-9L * expected, "its error, of %d groups: %.17g, should be %.17Lg",
+          groups, error, expected);
+}
+
+static hdr_noise measure_noise(const pictures *p, const char *threads) {
+    hdr_error error = {0};
+    hdr_noise noise;
+    hdr_input *inputs[MOST];
+    hdr_chain *chain = hdr_chain_new(&error);
+    const char *const words[] = {"stats", "-j", threads};
+    for (int i = 0; i < p->count; i++)
+        inputs[i] = open_picture(p, i);
+    hdr_chain_parse(chain, 3, words, &error);
+    hdr_measure_noise(chain, p->count, inputs, 0.02, true, &noise, &error);
+    CHECK(error.status == HDR_OK, "%s", error.message);
+    for (int i = 0; i < p->count; i++)
+        hdr_input_free(inputs[i]);
+    hdr_chain_free(chain);
+    return noise;
+}
+
+/* In proportion to the standard deviation of a pixel, its planes together, and 1 on average. */
+static void check_shares(const pictures *p, const float *share) {
+    long double sum = 0, total = 0;
+    size_t pixels = pixels_of(p), wrong = 0;
+    long double *deviation = calloc(pixels, sizeof *deviation);
+    for (size_t i = 0; i < pixels; i++) {
+        for (int plane = 0; plane < p->planes; plane++)
+            deviation[i] += moments_of(p, (size_t)plane * pixels + i).variance / p->planes;
+        deviation[i] = sqrtl(deviation[i]);
+        sum += deviation[i];
+        total += (long double)share[i];
+    }
+    for (size_t i = 0; i < pixels; i++)
+        wrong +=
+            fabsl((long double)share[i] - deviation[i] * (long double)pixels / sum) > 1e-6L * (long double)share[i];
+    CHECK(wrong == 0, "%zu shares of %zu are off", wrong, pixels);
+    CHECK(fabsl(total / (long double)pixels - 1) < 1e-6L, "shares are %.9Lg on average", total / (long double)pixels);
+    free(deviation);
+}
+
+static void check_noise(pictures *p, bool strange) {
+    if (strange) p->numbers[1][3] = NAN, p->numbers[0][8] = INFINITY, p->numbers[p->count - 1][8] = -INFINITY;
+    hdr_noise noise = measure_noise(p, "1"), again = measure_noise(p, "3");
+    size_t numbers = pixels_of(p) * (size_t)p->planes;
+    CHECK(noise.numbers == numbers - (strange ? 2 : 0) && noise.left_out == (strange ? 3 : 0),
+          "%llu numbers, %llu left out", (unsigned long long)noise.numbers, (unsigned long long)noise.left_out);
+    int levels = 0;
+    for (int size = 1; p->count / size >= 2; size *= 2, levels++)
+        check_rmv(p, size, 0.02, false, noise.level[levels].rmv, noise.level[levels].error);
+    CHECK(noise.levels == levels, "%d sizes of groups, should be %d", noise.levels, levels);
+    CHECK(noise.rmv == noise.level[0].rmv && noise.error == noise.level[0].error, "the first is of single renders");
+    check_rmv(p, 1, 0.02, true, noise.relative, noise.relative_error);
+    if (!strange) check_shares(p, noise.share);
+    CHECK(noise.rmv == again.rmv && noise.error == again.error && noise.relative == again.relative &&
+              memcmp(noise.share, again.share, pixels_of(p) * sizeof(float)) == 0,
+          "threads change the noise");
+    hdr_noise_free(&noise);
+    hdr_noise_free(&again);
+}
+
+static void test_noise(void) {
+    static const int cases[][4] = {{37, 21, 3, 2}, {37, 41, 3, 3}, {600, 17, 1, 8}, {20, 50, 3, 19}, {1, 1, 1, 4}};
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+        pictures p = make_pictures(cases[c][0], cases[c][1], cases[c][2], cases[c][3], c % 2 ? render : signed_small);
+        check_noise(&p, false);
+        if (pixels_of(&p) > 20) check_noise(&p, true);
+        free_pictures(&p);
+    }
+    pictures p = make_pictures(64, 20, 1, 10, bright);
+    check_noise(&p, false);
+    free_pictures(&p);
+}
+
 int main(void) {
     test_moments();
     test_strange();
@@ -404,5 +522,6 @@ int main(void) {
     check_robust(3, 10);
     test_differences();
     test_errors();
+    test_noise();
     return check_done("test_measure");
 }
