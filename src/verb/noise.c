@@ -6,6 +6,8 @@ typedef struct noise_params {
     const char *sampling_map;
 } noise_params;
 
+static const char *const none[] = {"none", NULL};
+
 static const hdr_option options[] = {
     {.name = "epsilon",
      .type = HDR_OPTION_NUMBER,
@@ -23,6 +25,8 @@ static const hdr_option options[] = {
      .min = 0,
      .max = 1e30,
      .above_min = true,
+     .words = none,
+     .default_value = "none",
      .help = "tell how many renders bring the error of their mean down to this"},
     {.name = "sampling-map",
      .type = HDR_OPTION_TEXT,

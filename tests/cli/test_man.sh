@@ -51,10 +51,13 @@ done
 result() {
     case $kind in
     filter) "$hdr" "$verb" -o "$work/result.exr" "$@" "$picture" && mv "$work/result.exr" "$work/result" ;;
+    join) "$hdr" "$verb" -o "$work/result.exr" "$@" "$picture" "$picture" && mv "$work/result.exr" "$work/result" ;;
     *)
         case $verb in
         # a chain stands behind it, and is told in the second line; times differ from run to run
         bench) "$hdr" "$verb" "$@" expose "$picture" >"$work/times" && sed 2d "$work/times" | tr -d '0-9.e -' >"$work/result" ;;
+        error) "$hdr" "$verb" --against "$picture" "$@" "$picture" >"$work/result" ;;
+        noise) "$hdr" "$verb" "$@" "$picture" "$picture" >"$work/result" ;;
         *) "$hdr" "$verb" "$@" "$picture" >"$work/result" ;;
         esac
         ;;
@@ -71,7 +74,7 @@ modes() {
     for chooser in $("$hdr" help --options "$verb" | sed 's/ .*//'); do
         [ "$chooser" = "$1" ] && continue
         help_line "$chooser" | grep -qE -- "^ *(-., )?$chooser [^ ]" || printf '%s\n' "$chooser"
-        for word in $(help_line "$chooser" | sed -n 's/.*(\([a-z0-9, ]* or [a-z0-9]*\); default .*/\1/p' | sed 's/ or / /; s/,//g'); do
+        for word in $(help_line "$chooser" | sed -n 's/.*(\([a-z0-9, -]* or [a-z0-9-]*\); default .*/\1/p' | sed 's/ or / /; s/,//g'); do
             printf '%s=%s\n' "$chooser" "$word"
         done
     done
@@ -84,6 +87,8 @@ while read -r verb kind; do
     for option in $("$hdr" help --options "$verb" | sed 's/ .*//'); do
         case $verb$option in
         bench--reference | bench--plot) continue ;; # test_bench.sh is about them
+        error--against | error--threshold) continue ;; # test_measure.sh
+        noise--sampling-map) continue ;; # test_noise.sh
         esac
         case $option in
         --output) continue ;; # test_status.sh is about it
