@@ -105,6 +105,13 @@ done
 
 # ---- Colour that does not show -----------------------------------------------------------------------------------
 
+# outside the data window a pixel has nothing around it but its like: the base is its own, the detail none, and 0.18
+for option in -q --reference --no-skip -j1; do
+    "$hdr" durand --show detail --alpha over:0.5,0.5,0.5 : pfm "$option" -o "$work/border.pfm" testdata/tiny/window.exr
+    border=$(tail -n +4 "$work/border.pfm" | od -An -tf4 -j 120 -N4 | tr -d ' ')
+    check "durand of a border, $option: detail is $border" test "$border" = 0.18
+done
+
 expect_status 0 'emission to PNG' "$hdr" png -j 2 -o "$work/a.png" "$alpha"
 check 'emission to PNG: one line' one_line_with alpha.exr
 check 'emission to PNG: counted' stderr_has ' 4 pixels have a colour but an alpha of 0'
