@@ -57,8 +57,7 @@ typedef struct hdr_curve {
 typedef struct hdr_local_curve {
     double (*exact)(const hdr_constants *constants, double value, double surround);
     void (*rows)(const hdr_constants *constants, double *values, const double *surround, size_t count);
-    double (*alone)(
-        double value); /* HDR_FORM_LOCAL: the surround of a lit pixel that has nothing around it but its like */
+    double (*alone)(double value); /* local forms: S of a lit pixel that has nothing around it but its like */
 } hdr_local_curve;
 
 /* HDR_LOCAL_CURVE(name, alone) makes it of the function
