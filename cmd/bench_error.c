@@ -5,11 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void no_memory(hdr_error *error) {
-    snprintf(error->message, sizeof error->message, "out of memory");
-    error->status = HDR_INTERNAL;
-}
-
 /* ---- Pixels ---- */
 
 /* Steele, Lea and Flood, Fast Splittable Pseudorandom Number Generators, OOPSLA 2014: the same numbers in each run. */
@@ -32,13 +27,17 @@ static void add_all_pixels(const hdr_surround *scene, bench_pixels *pixels) {
             if (is_lit(scene, (hdr_pixel){x, y})) pixels->pixel[pixels->count++] = (hdr_pixel){x, y};
 }
 
+/* Each as likely as any other. Vitter, Random Sampling with a Reservoir, ACM TOMS 11(1), 1985, algorithm R. */
 static void add_random_pixels(const hdr_surround *scene, int count, bench_pixels *pixels) {
-    uint64_t state = 1;
-    for (int left = 64 * count; left > 0 && pixels->count < count; left--) { /* there may be few that are lit */
-        hdr_pixel pixel = {(int)(next_random(&state) % (uint64_t)scene->width),
-                           (int)(next_random(&state) % (uint64_t)scene->height)};
-        if (is_lit(scene, pixel)) pixels->pixel[pixels->count++] = pixel;
-    }
+    uint64_t state = 1, seen = 0;
+    for (int y = 0; y < scene->height; y++)
+        for (int x = 0; x < scene->width; x++) {
+            if (!is_lit(scene, (hdr_pixel){x, y})) continue;
+            uint64_t place = seen++ < (uint64_t)count ? seen - 1 : next_random(&state) % seen;
+            if (place < (uint64_t)count) pixels->pixel[place] = (hdr_pixel){x, y};
+        }
+    pixels->count = seen < (uint64_t)count ? (int)seen : count;
+    pixels->all = seen <= (uint64_t)count;
 }
 
 /* A pixel that is brighter, or darker, than all around it, and its ratio to the nearest of them. */
@@ -102,7 +101,7 @@ bool bench_choose_pixels(const hdr_surround *scene, int samples, bench_pixels *p
     pixels->pixel = calloc(all ? total : 2 * (size_t)samples, sizeof *pixels->pixel);
     if (!pixels->pixel || (!all && !kept)) {
         free(kept);
-        no_memory(error);
+        cmd_out_of_memory(error);
         return false;
     }
     *pixels = (bench_pixels){.pixel = pixels->pixel, .all = all};
@@ -111,7 +110,7 @@ bool bench_choose_pixels(const hdr_surround *scene, int samples, bench_pixels *p
     else
         add_random_pixels(scene, samples, pixels);
     pixels->random = pixels->count;
-    int extremes = all ? 0 : find_extremes(scene, samples, kept);
+    int extremes = pixels->all ? 0 : find_extremes(scene, samples, kept);
     for (int i = 0; i < extremes; i++)
         pixels->pixel[pixels->count++] = kept[i].at;
     free(kept);

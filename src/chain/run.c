@@ -39,6 +39,15 @@ static hdr_source *open_source(const hdr_chain *chain, hdr_input *input, hdr_err
     return NULL;
 }
 
+/* As many as can be of use: to decode blocks, and to compute what is around a picture's pixels, by rows. */
+static int useful_threads(const hdr_run *run) {
+    enum { ROWS = 16 };
+    int64_t pieces = run->source->blocks, rows = hdr_window_height(&run->source->picture.data);
+    for (int i = 0; i < run->chain->count; i++)
+        if (run->chain->clauses[i].verb->surround && rows / ROWS > pieces) pieces = rows / ROWS;
+    return run->settings.threads < pieces ? run->settings.threads : pieces > 1 ? (int)pieces : 1;
+}
+
 hdr_status hdr_run_open(hdr_run *run, const hdr_chain *chain, hdr_input *input, const hdr_listener *listener,
                         hdr_error *err) {
     *run = (hdr_run){.chain = chain, .settings = *hdr_chain_settings(chain), .listener = listener};
@@ -46,8 +55,7 @@ hdr_status hdr_run_open(hdr_run *run, const hdr_chain *chain, hdr_input *input, 
     run->name = hdr_input_name(input);
     run->source = open_source(chain, input, err);
     if (!run->source) return err->status;
-    run->thread_count = run->settings.threads < run->source->blocks ? run->settings.threads : run->source->blocks;
-    if (run->thread_count < 1) run->thread_count = 1;
+    run->thread_count = useful_threads(run);
     run->pool = hdr_pool_new(run->thread_count, err);
     if (!run->pool) return err->status;
     hdr_status status = hdr_run_choose_alpha(run, err);
@@ -220,6 +228,8 @@ bool hdr_run_load(hdr_run *run, int thread, const hdr_block *block, int row, int
     strip->count = count;
     strip->row = block->first_row + row;
     strip->x = x;
+    strip->place_x = run->source->picture.data.min_x + x;
+    strip->place_y = run->source->picture.data.min_y + strip->row;
     /* G and B need not be converted where they repeat R; but repairs are counted in all channels */
     bool plain_grey = planes == 3 && run->raw.grey && reduce && same_bits(block, 0, 1, row, x, count) &&
                       same_bits(block, 0, 2, row, x, count);

@@ -23,19 +23,24 @@ void hdr_strip_intensity(hdr_strip *strip, const double weights[3], const double
 
 /* ---- Surrounds ---- */
 
-/* S of the strip's pixels into strip->surround. What lies outside the data window has nothing around it but its like.
- */
-static void load_surround(hdr_strip *strip, const hdr_plane *plane) {
+/* S of a pixel outside the data window, which has nothing around it but its like. */
+static double surround_outside(const hdr_step *step, double y) {
+    return y > 0 ? step->local->alone(y) : 0;
+}
+
+/* S of the strip's pixels into strip->beside. */
+static void load_surround(hdr_strip *strip, const hdr_step *step) {
+    const hdr_plane *plane = step->surround;
     if (strip->row < 0) {
         for (size_t i = 0; i < strip->count; i++)
-            strip->surround[i] = strip->y[i] > 0 ? strip->y[i] : 0;
+            strip->beside[i] = surround_outside(step, strip->y[i]);
         return;
     }
     size_t at = (size_t)strip->row * plane->stride + (size_t)strip->x;
     if (plane->wide)
-        memcpy(strip->surround, plane->wide + at, strip->count * sizeof(double));
+        memcpy(strip->beside, plane->wide + at, strip->count * sizeof(double));
     else
-        hdr_float_to_real(plane->narrow + at, strip->surround, strip->count);
+        hdr_float_to_real(plane->narrow + at, strip->beside, strip->count);
 }
 
 /* ---- By rows ---- */
@@ -71,10 +76,17 @@ static void apply_rows(hdr_strip *strip, const hdr_step *step) {
             hdr_strip_intensity(strip, step->luminance, step->lit);
         else
             hdr_strip_luminance(strip, step->luminance);
-        load_surround(strip, step->surround);
+        load_surround(strip, step);
         memcpy(strip->ld, strip->y, strip->count * sizeof(double));
-        step->local->rows(&step->constants, strip->ld, strip->surround, strip->count);
+        step->local->rows(&step->constants, strip->ld, strip->beside, strip->count);
         colour_by_luminance(strip, step->saturation);
+        break;
+    case HDR_FORM_PLACED:
+        hdr_dither_thresholds(&step->dither, strip->place_x, strip->place_y, strip->beside, strip->count);
+        for (int p = 0; p < strip->planes; p++) {
+            step->local->rows(&step->constants, strip->c[p], strip->beside, strip->count);
+            hdr_hold(strip->c[p], strip->count);
+        }
         break;
     case HDR_FORM_MATRIX:
         hdr_matrix_rows(strip->c[0], strip->c[1], strip->c[2], step->matrix, strip->count);
@@ -85,8 +97,9 @@ static void apply_rows(hdr_strip *strip, const hdr_step *step) {
 /* ---- Value by value: SPEC's formulas and nothing else ---- */
 
 /* S of the strip's pixel i, whose luminance is y. */
-static double surround_of(const hdr_strip *strip, size_t i, const hdr_plane *plane, double y) {
-    if (strip->row < 0) return y > 0 ? y : 0;
+static double surround_of(const hdr_strip *strip, size_t i, const hdr_step *step, double y) {
+    const hdr_plane *plane = step->surround;
+    if (strip->row < 0) return surround_outside(step, y);
     size_t at = (size_t)strip->row * plane->stride + (size_t)strip->x + i;
     return plane->wide ? plane->wide[at] : (double)plane->narrow[at];
 }
@@ -97,13 +110,17 @@ static void reference_pixel(const hdr_strip *strip, size_t i, const hdr_step *st
     if (step->form == HDR_FORM_CHANNEL) {
         for (int p = 0; p < planes; p++)
             *pixel[p] = hdr_held(step->curve->exact(&step->constants, *pixel[p]));
+    } else if (step->form == HDR_FORM_PLACED) {
+        double threshold = hdr_dither_threshold(&step->dither, strip->place_x + (int)i, strip->place_y);
+        for (int p = 0; p < planes; p++)
+            *pixel[p] = hdr_held(step->local->exact(&step->constants, *pixel[p], threshold));
     } else if (step->form != HDR_FORM_MATRIX) {
         const double *w = step->luminance;
         double y = r == g && g == b ? r : w[0] * r + w[1] * g + w[2] * b;
         const double *lit = step->lit;
         if (step->own_weights && !(r == g && g == b) && !(lit[0] * r + lit[1] * g + lit[2] * b > 0)) y = 0;
         double ld = step->form == HDR_FORM_LOCAL
-                        ? step->local->exact(&step->constants, y, surround_of(strip, i, step->surround, y))
+                        ? step->local->exact(&step->constants, y, surround_of(strip, i, step, y))
                         : step->curve->exact(&step->constants, y);
         for (int p = 0; p < planes; p++) {
             double c = *pixel[p];

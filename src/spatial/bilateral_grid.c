@@ -344,7 +344,6 @@ static bool lay_out(grid *g) {
     g->stride = 2 * (size_t)g->stored;
     g->row_size = ((size_t)g->columns * g->stride + HDR_PIECE - 1) / HDR_PIECE * HDR_PIECE;
     g->cells_size = (size_t)g->rows * g->row_size * sizeof *g->cells;
-    if (g->cells_size > hdr_memory_default()) return false; /* more than it may be, whatever the system promises */
     g->cells = hdr_alloc_pages(g->cells_size);
     if (g->cells) memset(g->cells, 0, g->cells_size);
     double flat = g->filter->sigma_s / g->across, range = g->filter->sigma_r / g->deep;
@@ -372,6 +371,23 @@ static void free_grid(grid *g) {
     free(g->seen);
 }
 
+hdr_grid_size hdr_grid_size_of(const hdr_bilateral *filter, const hdr_plane *plane, double across, double deep) {
+    hdr_grid_size size = {.columns = floor((plane->width - 1) * across / filter->sigma_s) + 4,
+                          .rows = floor((plane->height - 1) * across / filter->sigma_s) + 4,
+                          .levels = floor((filter->high - filter->low) * deep / filter->sigma_r) + 4};
+    size.bytes = size.columns * size.rows * size.levels * 2 * sizeof(float);
+    return size;
+}
+
+/* Bytes beyond this machine's, or numbers beyond those of an index. Besides the grid each thread has some of its rows.
+ */
+static bool is_too_large(const hdr_grid_size *size, double across, int threads) {
+    double band = BAND / across + 7; /* rows of the grid that a band is sown into, a slab, and one with a margin */
+    double most = size->columns > size->rows ? size->columns : size->rows;
+    return size->bytes * (1 + threads * band / size->rows) > (double)hdr_memory_default() || most > INT32_MAX / 4 ||
+           size->levels > INT32_MAX / 4;
+}
+
 hdr_status hdr_bilateral_grid(const hdr_bilateral *filter, double across, double deep, hdr_plane *plane, hdr_pool *pool,
                               hdr_bilateral_report *report, hdr_error *err) {
     grid g = {.filter = filter,
@@ -382,6 +398,10 @@ hdr_status hdr_bilateral_grid(const hdr_bilateral *filter, double across, double
               .middle = (float)((filter->low + filter->high) / 2),
               .threads = hdr_pool_threads(pool)};
     int bands = (plane->height + BAND - 1) / BAND;
+    hdr_grid_size size = hdr_grid_size_of(filter, plane, across, deep);
+    if (is_too_large(&size, g.across, g.threads))
+        return hdr_fail(err, HDR_INTERNAL, "out of memory: a grid of %.0f x %.0f x %.0f", size.columns, size.rows,
+                        size.levels);
     g.levels = (int)((filter->high - filter->low) / g.deep) + 4;
     g.level = hdr_alloc((size_t)g.levels, sizeof *g.level);
     g.seen = hdr_alloc((size_t)g.threads, (size_t)g.levels);

@@ -103,9 +103,16 @@ for file in "$alpha" "$tiny/window.exr" "$tiny/opaque.exr" testdata/object.exr; 
     done
 done
 
+# outside the data window a pixel has nothing around it but its like: the base is its own, the detail none, and 0.18
+for option in -q --reference --no-skip -j1; do
+    "$hdr" durand --show detail --alpha over:0.5,0.5,0.5 : pfm "$option" -o "$work/border.pfm" testdata/tiny/window.exr
+    border=$(tail -n +4 "$work/border.pfm" | od -An -tf4 -j 120 -N4 | tr -d ' ')
+    check "durand of a border, $option: detail is $border" test "$border" = 0.18
+done
+
 # ---- Colour that does not show -----------------------------------------------------------------------------------
 
-expect_status 0 'emission to PNG' "$hdr" png -j 2 -o "$work/a.png" "$alpha"
+expect_status 0 'emission to PNG' "$hdr" clamp : png -j 2 -o "$work/a.png" "$alpha"
 check 'emission to PNG: one line' one_line_with alpha.exr
 check 'emission to PNG: counted' stderr_has ' 4 pixels have a colour but an alpha of 0'
 expect_status 0 'emission to PNG, twice over' "$hdr" log : png -o "$work/a.png" "$alpha"
@@ -115,7 +122,7 @@ check 'emission to EXR: nothing to say' stderr_lines 0
 expect_status 0 'emission to PNG, quiet' "$hdr" png -q -o "$work/a.png" "$alpha"
 check 'emission to PNG, quiet' stderr_lines 0
 for how in drop over:0,0,0; do
-    expect_status 0 "emission, $how" "$hdr" png --alpha "$how" -o "$work/a.png" "$alpha"
+    expect_status 0 "emission, $how" "$hdr" clamp : png --alpha "$how" -o "$work/a.png" "$alpha"
     check "emission, $how: nothing to say" stderr_lines 0
 done
 expect_status 0 'cover without colour' "$hdr" png -o "$work/a.png" "$tiny/opaque.exr"
