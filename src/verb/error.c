@@ -77,6 +77,7 @@ static bool is_threshold(const char *text) {
 static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
     const error_params *p = params;
     (void)given;
+    if (p->against && !*p->against) return hdr_refuse_text(options, "against", "", "names no file", err);
     if (p->threshold && !is_threshold(p->threshold))
         return hdr_refuse_text(options, "threshold", p->threshold,
                                "is no figure (rmse, mse, mae, mrse, mape or smape), = and a number, such as rmse=0.01",

@@ -35,6 +35,13 @@ static const hdr_option options[] = {
      .help = "write each pixel's share of further samples there, as a picture whose mean is 1"},
     {0}};
 
+static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
+    const noise_params *p = params;
+    (void)given;
+    if (p->sampling_map && !*p->sampling_map) return hdr_refuse_text(options, "sampling-map", "", "names no file", err);
+    return HDR_OK;
+}
+
 static const char *const examples[] = {"hdr noise IN.exr IN.exr IN.exr",
                                        "hdr noise --target 0.01 --sampling-map OUT.exr IN.exr IN.exr IN.exr", NULL};
 
@@ -63,4 +70,5 @@ const hdr_verb hdr_verb_noise = {
          .options = options,
          .kind = HDR_PROGRAM},
     .params_size = sizeof(noise_params),
+    .check = check,
 };
