@@ -112,6 +112,7 @@ typedef struct hdr_verb_about {
     const hdr_option *options; /* its own options */
     hdr_verb_kind kind;
     bool leads; /* a program that stands in front of a chain, without a `then`: bench [OPTION...] VERB [OPTION...] */
+    bool stays; /* a filter that opens more than the picture: it cannot go along in a pipe's head */
 } hdr_verb_about;
 
 /* The verbs, in the order of the manual: index 0, 1, ... until NULL. */
@@ -296,7 +297,7 @@ hdr_status hdr_chain_run(hdr_chain *chain, hdr_input *input, hdr_output *output,
 
 /* Puts the chain in front of the input's bytes, as text, and copies both to an open descriptor: no pixel is computed.
  * For a filter that writes to a pipe. The text's form is in hdrpipe(5). HDR_USAGE: the chain ends in a format or
- * program. */
+ * program, or has a filter that stays. */
 hdr_status hdr_chain_defer(hdr_chain *chain, hdr_input *input, int descriptor, hdr_error *err);
 
 /* ---- Facts ----------------------------------------------------------------------------------------------------------
@@ -391,6 +392,35 @@ typedef struct hdr_surround {
 hdr_surround *hdr_chain_surround(hdr_chain *chain, hdr_input *input, int count, const hdr_pixel pixels[],
                                  const hdr_listener *listener, hdr_error *err);
 void hdr_surround_free(hdr_surround *surround);
+
+/* ---- OpenColorIO ----------------------------------------------------------------------------------------------------
+ */
+
+typedef enum hdr_ocio_kind {
+    HDR_OCIO_SPACE,   /* a colour space */
+    HDR_OCIO_ROLE,    /* another name for one */
+    HDR_OCIO_DISPLAY, /* behind it stand its views */
+    HDR_OCIO_VIEW,
+    HDR_OCIO_LOOK
+} hdr_ocio_kind;
+
+typedef struct hdr_ocio_name {
+    hdr_ocio_kind kind;
+    const char *name;
+    const char *of; /* a role's colour space, a view's display; else empty */
+} hdr_ocio_name;
+
+/* The names that the options of the verb ocio take, kind by kind in the configuration's order. */
+typedef struct hdr_ocio_names {
+    int count;
+    const hdr_ocio_name *names;
+} hdr_ocio_names;
+
+/* What a configuration file offers. NULL: the one that the environment's OCIO names, or, where that is not set, the one
+ * that is built in. The plug-in hdrpipe-ocio.so is loaded for it: HDR_BAD_DATA where it is missing, or the file is
+ * faulty; HDR_NO_INPUT: there is no such file. */
+hdr_ocio_names *hdr_ocio_names_new(const char *config_file, hdr_error *err);
+void hdr_ocio_names_free(hdr_ocio_names *names);
 
 /* ---- Contents -------------------------------------------------------------------------------------------------------
  */

@@ -38,6 +38,20 @@ static void load_surround(hdr_strip *strip, const hdr_plane *plane) {
         hdr_float_to_real(plane->narrow + at, strip->surround, strip->count);
 }
 
+/* ---- Mappers ---- */
+
+/* Maps colours as a whole: one plane becomes three. */
+static void apply_mapper(hdr_strip *strip, const hdr_mapper *mapper) {
+    for (; strip->planes < 3; strip->planes++)
+        memcpy(strip->c[strip->planes], strip->c[0], strip->count * sizeof(double));
+    strip->failed |= !mapper->map(mapper, (double *const[]){strip->c[0], strip->c[1], strip->c[2]}, strip->count);
+    for (int p = 0; p < 3; p++) {
+        for (size_t i = 0; i < strip->count; i++)
+            strip->c[p][i] = isnan(strip->c[p][i]) ? 0 : strip->c[p][i];
+        hdr_hold(strip->c[p], strip->count);
+    }
+}
+
 /* ---- By rows ---- */
 
 /* strip->ld has Ld: C' = (C/Y)^saturation Ld. */
@@ -78,6 +92,9 @@ static void apply_rows(hdr_strip *strip, const hdr_step *step) {
         break;
     case HDR_FORM_MATRIX:
         hdr_matrix_rows(strip->c[0], strip->c[1], strip->c[2], step->matrix, strip->count);
+        break;
+    case HDR_FORM_MAPPED:
+        apply_mapper(strip, step->mapper);
         break;
     }
 }
@@ -129,10 +146,10 @@ void hdr_strip_apply(hdr_strip *strip, const hdr_step *steps, int first, int end
             apply_rows(strip, &steps[s]);
         return;
     }
-    for (size_t i = 0; i < strip->count; i++) {
-        double *pixel[3] = {&strip->c[0][i], &strip->c[1][i], &strip->c[2][i]};
-        for (int s = first; s < end; s++)
-            reference_pixel(strip, i, &steps[s], pixel);
+    for (int s = first; s < end; s++) {
+        if (steps[s].form == HDR_FORM_MAPPED) apply_mapper(strip, steps[s].mapper);
+        for (size_t i = 0; steps[s].form != HDR_FORM_MAPPED && i < strip->count; i++)
+            reference_pixel(strip, i, &steps[s], (double *[3]){&strip->c[0][i], &strip->c[1][i], &strip->c[2][i]});
     }
 }
 

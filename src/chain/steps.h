@@ -15,6 +15,7 @@ typedef struct hdr_strip {
     int planes;
     size_t count;
     int row, x; /* of its first pixel in the data window; row -1: the pixels lie outside */
+    bool failed; /* a mapper has failed, in this strip or another that this room was used for */
 } hdr_strip;
 
 /* Y of the strip's pixels into strip->y. */

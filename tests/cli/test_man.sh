@@ -84,6 +84,8 @@ while read -r verb kind; do
     for option in $("$hdr" help --options "$verb" | sed 's/ .*//'); do
         case $verb$option in
         bench--reference | bench--plot) continue ;; # test_bench.sh is about them
+        # test_ocio.sh is about them
+        ocio--config | ocio--from | ocio--to | ocio--display | ocio--ocio-view | ocio--look | ocio--list) continue ;;
         esac
         case $option in
         --output) continue ;; # test_status.sh is about it
