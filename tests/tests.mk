@@ -60,6 +60,7 @@ bench: all $(BUILD)/tests/bench/scales
 	BUILD=$(BUILD) sh tests/bench/pipe.sh $(FILE)
 	BUILD=$(BUILD) sh tests/bench/reinhard.sh $(FILE)
 	BUILD=$(BUILD) sh tests/bench/durand.sh $(FILE)
+	BUILD=$(BUILD) sh tests/bench/ocio.sh $(FILE)
 	$(BUILD)/tests/bench/scales
 
 include tests/oracle/oracle.mk

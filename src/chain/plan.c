@@ -14,8 +14,8 @@ typedef struct planning {
     hdr_run *run;
     hdr_mapper *const *mappers; /* of each clause, or NULL */
     char state[64];             /* what the pixels are */
-    int bits;       /* above 0: quantised to that many */
-    bool foreign;   /* primaries other than Rec.709, not yet converted */
+    int bits;                   /* above 0: quantised to that many */
+    bool foreign;               /* primaries other than Rec.709, not yet converted */
     bool converted;
     hdr_facts facts; /* of the pixels as they were when facts were last taken; fresh: as they are now */
     bool fresh;
@@ -189,7 +189,8 @@ static hdr_status resolve(planning *p, int number, const hdr_clause *clause, hdr
     *facts = p->fresh ? p->facts : p->range;
     *step = (hdr_step){.verb = clause->verb, .clause = number, .saturation = 1};
     /* a format adds clauses of its own, which have no mapper, behind all others */
-    hdr_scene scene = {.facts = *facts, .state = p->state, .mapper = clause->verb->open ? p->mappers[number - 1] : NULL};
+    hdr_scene scene = {
+        .facts = *facts, .state = p->state, .mapper = clause->verb->open ? p->mappers[number - 1] : NULL};
     hdr_request request = request_of(clause);
     const hdr_shot *shot = shot_of(clause);
     if (shot && !hdr_facts_of_shot(shot, &request, &scene.facts))

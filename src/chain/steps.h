@@ -14,7 +14,7 @@ typedef struct hdr_strip {
     double surround[HDR_STRIP];         /* room for local forms */
     int planes;
     size_t count;
-    int row, x; /* of its first pixel in the data window; row -1: the pixels lie outside */
+    int row, x;  /* of its first pixel in the data window; row -1: the pixels lie outside */
     bool failed; /* a mapper has failed, in this strip or another that this room was used for */
 } hdr_strip;
 

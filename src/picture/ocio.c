@@ -102,9 +102,9 @@ hdr_ocio_names *hdr_ocio_names_new(const char *config_file, hdr_error *err) {
     hdr_ocio_config *config = NULL;
     gathering g = {0};
     if (!list) hdr_fail(err, HDR_INTERNAL, "out of memory");
-    hdr_status status =
-        plugin ? open_config(plugin, &(hdr_ocio_source){.file = config_file}, &config, &(bool){false}, err)
-               : HDR_BAD_DATA;
+    hdr_status status = plugin
+                            ? open_config(plugin, &(hdr_ocio_source){.file = config_file}, &config, &(bool){false}, err)
+                            : HDR_BAD_DATA;
     if (!status) status = plugin->list(config, gather, &g, &g.err);
     if (g.err.status) status = hdr_fail(err, g.err.status, "%s", g.err.message);
     if (config) plugin->close(config);

@@ -121,9 +121,8 @@ hdr_status list(const hdr_ocio_config *config,
                 void (*tell)(void *context, hdr_ocio_kind kind, const char *name, const char *of), void *context,
                 hdr_error *err) {
     return guarded(err, [&] {
-        tell_names(*config->config, [&](hdr_ocio_kind kind, const char *name, const char *of) {
-            tell(context, kind, name, of);
-        });
+        tell_names(*config->config,
+                   [&](hdr_ocio_kind kind, const char *name, const char *of) { tell(context, kind, name, of); });
     });
 }
 
@@ -208,7 +207,8 @@ bool is_proportional(const OCIO::ConstConfigRcPtr &config, const OCIO::ConstColo
         float other[3] = {0.2f * factor, 0.2f * factor, 0.2f * factor};
         cpu->applyRGB(other);
         for (int i = 0; i < 3; i++) {
-            float difference = other[i] - factor * middle[i], room = 1e-3f * factor * (middle[i] < 0 ? -middle[i] : middle[i]);
+            float difference = other[i] - factor * middle[i],
+                  room = 1e-3f * factor * (middle[i] < 0 ? -middle[i] : middle[i]);
             if (!(difference <= room && -difference <= room)) return false;
         }
     }
@@ -274,8 +274,8 @@ hdr_status make(const hdr_ocio_config *config, const hdr_ocio_request *request, 
             to = c->getColorSpace(std::string(shown) == OCIO::OCIO_VIEW_USE_DISPLAY_NAME ? display.c_str() : shown);
         }
         about->linear = to && is_linear(c, to);
-        *processor = new hdr_ocio_processor{made->getOptimizedCPUProcessor(OCIO::BIT_DEPTH_F32, OCIO::BIT_DEPTH_F32,
-                                                                           OCIO::OPTIMIZATION_LOSSLESS)};
+        *processor = new hdr_ocio_processor{
+            made->getOptimizedCPUProcessor(OCIO::BIT_DEPTH_F32, OCIO::BIT_DEPTH_F32, OCIO::OPTIMIZATION_LOSSLESS)};
     });
 }
 

@@ -29,9 +29,9 @@ typedef struct hdr_ocio_request {
 } hdr_ocio_request;
 
 typedef struct hdr_ocio_about {
-    int linear;          /* not 0: what comes out is linear, or mere data */
-    char from[100];      /* the names that the configuration has for them */
-    char to[100];        /* empty: a display */
+    int linear;     /* not 0: what comes out is linear, or mere data */
+    char from[100]; /* the names that the configuration has for them */
+    char to[100];   /* empty: a display */
     char display[100], view[100];
 } hdr_ocio_about;
 

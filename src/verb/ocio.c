@@ -98,8 +98,7 @@ static hdr_mapper *open_transform(const void *params, hdr_error *err) {
         hdr_fail(err, HDR_INTERNAL, "out of memory");
         return NULL;
     }
-    hdr_ocio_request request = {
-        .from = p->from, .to = p->to, .display = p->display, .view = p->view, .looks = p->look};
+    hdr_ocio_request request = {.from = p->from, .to = p->to, .display = p->display, .view = p->view, .looks = p->look};
     t->mapper = (hdr_mapper){map, close_transform};
     t->ocio = hdr_ocio_new(&(hdr_ocio_source){.file = p->config}, &request, err);
     if (t->ocio) return &t->mapper;
@@ -136,18 +135,21 @@ static hdr_verdict plan(const void *params, const hdr_scene *scene, hdr_step *st
 static const char *const examples[] = {
     "hdr ocio -o OUT.png IN.exr",
     "hdr ocio --display 'Rec.1886 Rec.709 - Display' --ocio-view Un-tone-mapped then png -o OUT.png IN.exr",
-    "hdr ocio --from ACEScg --to ACES2065-1 -o OUT.exr IN.exr",
-    NULL};
+    "hdr ocio --from ACEScg --to ACES2065-1 -o OUT.exr IN.exr", NULL};
 
 const hdr_verb hdr_verb_ocio = {
     .about =
         {.name = "ocio",
          .summary = "map colours as an OpenColorIO configuration says",
          .details =
-             "Maps the picture for a display, by one of the display's views, or with --to to another colour space. What "
-             "there is to choose from depends on the configuration, and --list prints it (with --json for programs).\n\n"
-             "The configuration is the file of --config, or else that which the environment's OCIO names. Without either "
-             "it is one that is made of the ACES 1.x transforms which OpenColorIO has built in: colour spaces, displays "
+             "Maps the picture for a display, by one of the display's views, or with --to to another colour space. "
+             "What "
+             "there is to choose from depends on the configuration, and --list prints it (with --json for "
+             "programs).\n\n"
+             "The configuration is the file of --config, or else that which the environment's OCIO names. Without "
+             "either "
+             "it is one that is made of the ACES 1.x transforms which OpenColorIO has built in: colour spaces, "
+             "displays "
              "and views have the names of the ACES CG configuration.\n\n"
              "The picture is taken to be in the colour space --from, by default that of the role scene_linear. In the "
              "configuration that is built in this is linear Rec.709: a file with other chromaticities is converted to "
@@ -159,10 +161,14 @@ const hdr_verb hdr_verb_ocio = {
              "display. A linear picture counts as one in Rec.709's primaries from there on: neither its luminance nor "
              "what png makes of it is right where the colour space has others.\n\n"
              "OpenColorIO works in float32, with --reference, too: here a result is as exact as that library makes it, "
-             "in its lossless mode. What it makes infinite is held at the largest float, a NaN becomes 0. A picture of "
+             "in its lossless mode, and the last bits of a float may depend on the processor. What it makes infinite "
+             "is held at the largest float, a NaN becomes 0. A picture of "
              "luminance alone becomes one of three channels.\n\n"
              "Since the configuration is a file of this machine, this verb does not travel through a pipe: its program "
-             "computes the pixels, and sends EXR. It needs the plug-in hdrpipe-ocio.so, which is loaded for it alone.",
+             "computes the pixels, and sends EXR. The pixels are those that one program makes of the whole chain; but "
+             "the "
+             "bytes of a PNG need not be, which depend on how its source was cut into pieces. The verb needs the "
+             "plug-in hdrpipe-ocio.so, which is loaded for it alone.",
          .examples = examples,
          .options = options,
          .kind = HDR_FILTER,

@@ -101,16 +101,16 @@ typedef struct hdr_step {
     const hdr_local_curve *local; /* HDR_FORM_LOCAL */
     const hdr_plane *surround;    /* the same: S of each pixel of the data window; filled by the chain */
     hdr_constants constants;
-    double saturation;   /* HDR_FORM_LUMINANCE, HDR_FORM_LOCAL */
-    bool own_weights;    /* HDR_FORM_LOCAL: luminance[] are the step's own; a pixel is lit if Y is, too */
-    double luminance[3]; /* else weights of Y where the step stands; filled by the chain */
-    double lit[3];       /* weights of Y in any case; filled by the chain */
-    double matrix[9];    /* HDR_FORM_MATRIX, by rows */
+    double saturation;        /* HDR_FORM_LUMINANCE, HDR_FORM_LOCAL */
+    bool own_weights;         /* HDR_FORM_LOCAL: luminance[] are the step's own; a pixel is lit if Y is, too */
+    double luminance[3];      /* else weights of Y where the step stands; filled by the chain */
+    double lit[3];            /* weights of Y in any case; filled by the chain */
+    double matrix[9];         /* HDR_FORM_MATRIX, by rows */
     const hdr_mapper *mapper; /* HDR_FORM_MAPPED */
     bool wants_rec709;        /* the same: it takes pixels in Rec.709's primaries, as verbs that encode do */
-    char state[64];      /* not empty: what the pixels are afterwards, "linear", "srgb", "gamma 2.2" */
-    int bits;            /* above 0: the pixels are quantised to that many bits afterwards */
-    char note[240];      /* for --explain: the constants, or the reason of a skip */
+    char state[64];           /* not empty: what the pixels are afterwards, "linear", "srgb", "gamma 2.2" */
+    int bits;                 /* above 0: the pixels are quantised to that many bits afterwards */
+    char note[240];           /* for --explain: the constants, or the reason of a skip */
 } hdr_step;
 
 /* What plan() may know. */

@@ -86,9 +86,8 @@ std::vector<float> by_library(const std::vector<float> &in, const std::vector<pa
             group->appendTransform(made);
         }
     }
-    OCIO::ConstCPUProcessorRcPtr cpu =
-        config->getProcessor(group)->getOptimizedCPUProcessor(OCIO::BIT_DEPTH_F32, OCIO::BIT_DEPTH_F32,
-                                                              OCIO::OPTIMIZATION_LOSSLESS);
+    OCIO::ConstCPUProcessorRcPtr cpu = config->getProcessor(group)->getOptimizedCPUProcessor(
+        OCIO::BIT_DEPTH_F32, OCIO::BIT_DEPTH_F32, OCIO::OPTIMIZATION_LOSSLESS);
     std::vector<float> out = in;
     for (size_t i = 0; i < out.size(); i += 3)
         cpu->applyRGB(&out[i]);
