@@ -15,7 +15,7 @@
 static const struct program {
     const char *name;
     hdr_status (*run)(hdr_chain *chain, hdr_error *error);
-} programs[] = {{"info", cmd_info}, {"stats", cmd_stats}, {"bench", cmd_bench}};
+} programs[] = {{"info", cmd_info}, {"stats", cmd_stats}, {"bench", cmd_bench}, {"crosscheck", cmd_crosscheck}};
 
 /* ---- Words to standard error ---- */
 

@@ -112,6 +112,7 @@ typedef struct hdr_verb_about {
     const hdr_option *options; /* its own options */
     hdr_verb_kind kind;
     bool leads; /* a program that stands in front of a chain, without a `then`: bench [OPTION...] VERB [OPTION...] */
+    bool alone; /* a program that takes no picture: crosscheck */
     bool stays; /* a filter that opens more than the picture: it cannot go along in a pipe's head */
 } hdr_verb_about;
 
@@ -421,6 +422,35 @@ typedef struct hdr_ocio_names {
  * faulty; HDR_NO_INPUT: there is no such file. */
 hdr_ocio_names *hdr_ocio_names_new(const char *config_file, hdr_error *err);
 void hdr_ocio_names_free(hdr_ocio_names *names);
+
+/* ---- Cross-check ----------------------------------------------------------------------------------------------------
+ */
+
+/* The largest distances between two ways to compute the same numbers: relative of those whose magnitude is 0.001 or
+ * more, absolute of those below. Both are below 0 where nothing is compared. */
+typedef struct hdr_distance {
+    double relative, absolute;
+} hdr_distance;
+
+/* A curve of a verb, or a matrix between primaries, against OpenColorIO's, and against what is published. */
+typedef struct hdr_agreement {
+    const char *what;     /* "srgb --decode" */
+    const char *theirs;   /* OpenColorIO's transform; NULL: it has none */
+    hdr_distance ours;    /* from the published formula, in long double; of matrices none is printed */
+    hdr_distance apart;   /* of ours from OpenColorIO's, in float32 */
+    double codes;         /* the same in 8-bit codes, of results within [0,1] */
+    hdr_distance follows; /* of OpenColorIO's from the formula that it follows, in long double */
+    const char *reason;   /* why that is another, by design; NULL: it is not meant to be */
+    size_t numbers;       /* that were compared */
+    bool agrees;          /* ours is what is published, to 1e-12; and OpenColorIO's is ours to 2e-7, or 1e-7 below
+                             0.001, or else what it is said to be instead, to 4e-7 */
+} hdr_agreement;
+
+/* Compares: curves over all half values and 10^6 floats from 1e-8 to 1e4. verb: those of one verb, or of "primaries";
+ * NULL: all. Fills agreements, which are at most room, and *count. HDR_USAGE: there are none of that name. The plug-in
+ * hdrpipe-ocio.so is needed, as for hdr_ocio_names_new. */
+hdr_status hdr_crosscheck(const char *verb, int threads, hdr_agreement agreements[], int room, int *count,
+                          hdr_error *err);
 
 /* ---- Contents -------------------------------------------------------------------------------------------------------
  */

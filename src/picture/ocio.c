@@ -68,7 +68,7 @@ void hdr_ocio_free(hdr_ocio *ocio) {
 
 bool hdr_ocio_apply(const hdr_ocio *ocio, float *pixels, size_t count) {
     hdr_error err = {0};
-    return ocio->plugin->apply(ocio->processor, pixels, count, &err) == HDR_OK;
+    return count == 0 || ocio->plugin->apply(ocio->processor, pixels, count, &err) == HDR_OK;
 }
 
 /* ---- The public list ---- */

@@ -84,10 +84,8 @@ hdr_status open(const char *file, const char *text, hdr_ocio_config **config, hd
     return guarded(err, [&] {
         silence();
         std::istringstream stream(text ? text : built_in);
-        OCIO::ConstConfigRcPtr made =
-            file ? OCIO::Config::CreateFromFile(file) : OCIO::Config::CreateFromStream(stream);
-        made->validate();
-        *config = new hdr_ocio_config{made};
+        *config =
+            new hdr_ocio_config{file ? OCIO::Config::CreateFromFile(file) : OCIO::Config::CreateFromStream(stream)};
     });
 }
 
