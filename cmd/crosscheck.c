@@ -16,10 +16,7 @@ static void print_line(const hdr_agreement *a) {
     printf("%-31s", a->what);
     print_distance(&a->ours);
     print_distance(&a->apart);
-    if (a->theirs)
-        printf(" %8.1e", a->codes);
-    else
-        printf(" %8s", "-");
+    printf(" %8.1e", a->codes);
     print_distance(&a->follows);
     printf("  %s", a->agrees ? "agrees" : "DIFFERS");
     if (a->reason) printf("; %s", a->reason);
@@ -52,25 +49,22 @@ static void print_json_distance(const char *key, const hdr_distance *distance) {
     putchar('}');
 }
 
-static void print_json_text(const char *key, const char *text) {
-    printf(", \"%s\": ", key);
-    if (text)
-        cmd_print_json_text(text);
-    else
-        printf("null");
-}
-
 static void print_json(const hdr_agreement *a) {
     printf("{\"what\": ");
     cmd_print_json_text(a->what);
-    print_json_text("opencolorio", a->theirs);
+    printf(", \"opencolorio\": ");
+    cmd_print_json_text(a->theirs);
     printf(", \"numbers\": %zu", a->numbers);
     print_json_distance("from_published", &a->ours);
     print_json_distance("opencolorio_from_ours", &a->apart);
     printf(", \"codes\": ");
     cmd_print_json_number(a->codes);
     print_json_distance("opencolorio_from_its_own", &a->follows);
-    print_json_text("reason", a->reason);
+    printf(", \"reason\": ");
+    if (a->reason)
+        cmd_print_json_text(a->reason);
+    else
+        printf("null");
     printf(", \"agrees\": %s}\n", a->agrees ? "true" : "false");
 }
 

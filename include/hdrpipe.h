@@ -435,15 +435,15 @@ typedef struct hdr_distance {
 /* A curve of a verb, or a matrix between primaries, against OpenColorIO's, and against what is published. */
 typedef struct hdr_agreement {
     const char *what;     /* "srgb --decode" */
-    const char *theirs;   /* OpenColorIO's transform; NULL: it has none */
+    const char *theirs;   /* OpenColorIO's transform, as a configuration has it */
     hdr_distance ours;    /* from the published formula, in long double; of matrices none is printed */
     hdr_distance apart;   /* of ours from OpenColorIO's, in float32 */
     double codes;         /* the same in 8-bit codes, of results within [0,1] */
     hdr_distance follows; /* of OpenColorIO's from the formula that it follows, in long double */
     const char *reason;   /* why that is another, by design; NULL: it is not meant to be */
     size_t numbers;       /* that were compared */
-    bool agrees;          /* ours is what is published, to 1e-12; and OpenColorIO's is ours to 2e-7, or 1e-7 below
-                             0.001, or else what it is said to be instead, to 4e-7 */
+    bool agrees;          /* ours is what is published, but for the roundings of double; and OpenColorIO's is ours to
+                               2e-7, or 1e-7 below 0.001, or else what it is said to be instead, to 5e-7 */
 } hdr_agreement;
 
 /* Compares: curves over all half values and 10^6 floats from 1e-8 to 1e4. verb: those of one verb, or of "primaries";

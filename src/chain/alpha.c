@@ -24,16 +24,12 @@ void hdr_run_spread(hdr_run *run) {
 
 /* Values that follow a display's curve cannot be added to as light can. */
 static hdr_status refuse_encoded(const char *state, hdr_error *err) {
-    int verb = (int)strcspn(state, " ");
-    bool exponent = strncmp(state, "gamma ", 6) == 0;
-    if (strcmp(state, "ocio") == 0)
-        return hdr_fail(err, HDR_BAD_DATA,
-                        "--alpha over: only light can be laid over a colour, and the picture is encoded (ocio); lay it "
-                        "over the colour first");
+    char clause[HDR_CLAUSE_TEXT];
+    hdr_decoding_clause(state, clause);
     return hdr_fail(err, HDR_BAD_DATA,
                     "--alpha over: only light can be laid over a colour, and the picture is encoded (%s); decode it to "
-                    "a file first (hdr %.*s%s%s --decode then exr)",
-                    state, verb, state, exponent ? " --exponent" : "", exponent ? state + verb : "");
+                    "a file first (hdr %s then exr)",
+                    state, clause);
 }
 
 hdr_status hdr_run_choose_alpha(hdr_run *run, hdr_error *err) {

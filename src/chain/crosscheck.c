@@ -16,25 +16,51 @@
 typedef struct curve_row {
     const char *what;        /* the clause */
     hdr_published published; /* what it is to be */
-    const char *theirs;      /* OpenColorIO's transform, as configurations have it; NULL: it has none */
-    hdr_published follows;   /* the formula that it is known to follow instead */
+    double rounding;         /* and how far from it the roundings of double may take it, as a part of it */
+    const char *theirs;      /* OpenColorIO's transform, as configurations have it */
+    hdr_published follows;   /* the formula that it is known to follow instead; NULL: none */
     const char *reason;      /* and why that is another */
-    bool positive;           /* negative numbers are not compared: what becomes of them is no part of the curve */
+    double least, most;      /* its numbers are compared from here to there; both 0: all of them */
 } curve_row;
 
 #define EXPONENT "!<ExponentTransform> {value: 2.2"
 #define TANGENT(gamma, offset) "!<ExponentWithLinearTransform> {gamma: " gamma ", offset: " offset
 #define INVERSE ", direction: inverse}"
+#define BUILTIN(style) "!<BuiltinTransform> {style: " style "}"
+#define BUILTIN_BACK(style) "!<BuiltinTransform> {style: " style INVERSE
 #define FLOAT_EXPONENT "its exponent is rounded to float32"
 #define TANGENT_BREAK "its line is the tangent of its power, so break and slope are not those of the standard"
-#define NO_HLG "it has HLG only inside of a display's transform"
+#define PQ_TABLE "it is a table of all halves, with lines in between"
+#define PQ_TABLE_BACK "it is a table of 4096 numbers, with lines in between"
+/* HLG is had only inside of a display's transform, behind the display's gamma of 1.2, which is undone in front, and
+ * 10 is 1000 cd/m2. It ends at 1, and near black the gamma has a floor. */
+#define HLG_DISPLAY "DISPLAY - CIE-XYZ-D65_to_REC.2100-HLG-1000nit"
+#define HLG_LIGHT                                                                                                      \
+    "!<MatrixTransform> {matrix: [9.504559270516717, 0, 0, 0, 0, 10, 0, 0, 0, 0, 10.890577507598784, 0, 0, 0, 0, 1]"
+#define HLG                                                                                                            \
+    "!<GroupTransform> {children: [!<ExponentTransform> {value: 1.2}, " HLG_LIGHT "}, " BUILTIN(HLG_DISPLAY) "]}"
+#define HLG_BACK                                                                                                       \
+    "!<GroupTransform> {children: [" BUILTIN_BACK(HLG_DISPLAY) ", " HLG_LIGHT INVERSE                                  \
+                                                               ", !<ExponentTransform> {value: 1.2" INVERSE "]}"
+#define HLG_WAY "it has the curve in a display's transform, from which light is taken out by a power of 1.2"
 
 static const curve_row curves[] = {
-    {"gamma --exponent 2.2", hdr_published_gamma, EXPONENT INVERSE, hdr_ocio_gamma, FLOAT_EXPONENT, false},
-    {"gamma --exponent 2.2 --decode", hdr_published_gamma_back, EXPONENT "}", hdr_ocio_gamma_back, FLOAT_EXPONENT,
-     false},
-    {"srgb", hdr_published_srgb, TANGENT("2.4", "0.055") INVERSE, hdr_ocio_srgb, TANGENT_BREAK, false},
-    {"srgb --decode", hdr_published_srgb_back, TANGENT("2.4", "0.055") "}", hdr_ocio_srgb_back, TANGENT_BREAK, false},
+    {"gamma --exponent 2.2", hdr_published_gamma, 1e-15, EXPONENT INVERSE, hdr_ocio_gamma, FLOAT_EXPONENT, 0, 0},
+    {"gamma --exponent 2.2 --decode", hdr_published_gamma_back, 5e-15, EXPONENT "}", hdr_ocio_gamma_back,
+     FLOAT_EXPONENT, 0, 0},
+    {"srgb", hdr_published_srgb, 2e-15, TANGENT("2.4", "0.055") INVERSE, hdr_ocio_srgb, TANGENT_BREAK, 0, 0},
+    {"srgb --decode", hdr_published_srgb_back, 3e-15, TANGENT("2.4", "0.055") "}", hdr_ocio_srgb_back, TANGENT_BREAK, 0,
+     0},
+    {"rec709", hdr_published_rec709, 2e-15, TANGENT("2.2222222222222223", "0.099") INVERSE, hdr_ocio_rec709,
+     TANGENT_BREAK, 0, 0},
+    {"rec709 --decode", hdr_published_rec709_back, 4e-15, TANGENT("2.2222222222222223", "0.099") "}",
+     hdr_ocio_rec709_back, TANGENT_BREAK, 0, 0},
+    /* what becomes of negative numbers is no part of the curves */
+    {"pq", hdr_published_pq, 8e-15, BUILTIN("CURVE - LINEAR_to_ST-2084"), hdr_ocio_pq, PQ_TABLE, 0, 65504},
+    {"pq --decode", hdr_published_pq_back, 8e-15, BUILTIN("CURVE - ST-2084_to_LINEAR"), hdr_ocio_pq_back, PQ_TABLE_BACK,
+     0, 65504},
+    {"hlg", hdr_published_hlg, 1e-15, HLG, hdr_published_hlg, HLG_WAY, 1e-3, 1},
+    {"hlg --decode", hdr_published_hlg_back, 3e-14, HLG_BACK, hdr_published_hlg_back, HLG_WAY, 0.055, 1},
 };
 enum { CURVES = sizeof curves / sizeof curves[0] };
 
@@ -42,8 +68,6 @@ enum { CURVES = sizeof curves / sizeof curves[0] };
 static const hdr_chromaticities ap0 = {{0.7347, 0.2653}, {0, 1}, {0.0001, -0.0770}, {0.32168, 0.33767}};
 static const hdr_chromaticities ap1 = {{0.713, 0.293}, {0.165, 0.830}, {0.128, 0.044}, {0.32168, 0.33767}};
 
-#define BUILTIN(style) "!<BuiltinTransform> {style: " style "}"
-#define BUILTIN_BACK(style) "!<BuiltinTransform> {style: " style INVERSE
 #define AP1_TO_AP0 "ACEScg_to_ACES2065-1"
 #define AP1_TO_REC709 "UTILITY - ACES-AP1_to_LINEAR-REC709_BFD"
 #define AP0_TO_XYZ "UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD"
@@ -72,11 +96,9 @@ enum { MATRICES = sizeof matrices / sizeof matrices[0] };
 
 /* ---- Distances ---- */
 
-static const hdr_distance exact = {1e-12,
-                                   1e-12}; /* of ours from what is published: rounding in double, and nothing else */
 static const hdr_distance near = {2e-7, 1e-7};
-/* of OpenColorIO's from its own formula: two roundings of what is raised to 2.4, and one of the power, to float32 */
-static const hdr_distance follows = {4e-7, 1e-7};
+/* of OpenColorIO's from its own formula: several roundings to float32, some of them raised to 2.4 */
+static const hdr_distance follows = {5e-7, 1e-7};
 static const hdr_distance nothing = {-1, -1};
 
 static void widen(hdr_distance *distance, double value, double reference) {
@@ -92,8 +114,10 @@ static bool is_within(hdr_distance distance, hdr_distance most) {
     return distance.relative <= most.relative && distance.absolute <= most.absolute;
 }
 
-static void judge(hdr_agreement *agreement) {
-    bool ours = is_within(agreement->ours, exact), theirs = is_within(agreement->apart, near);
+/* rounding: ours may be that far from what is published. */
+static void judge(hdr_agreement *agreement, double rounding) {
+    bool ours = is_within(agreement->ours, (hdr_distance){rounding, rounding});
+    bool theirs = is_within(agreement->apart, near);
     bool explained = agreement->follows.relative >= 0 && is_within(agreement->follows, follows);
     agreement->agrees = ours && (theirs || explained);
 }
@@ -133,12 +157,12 @@ static bool map_numbers(const hdr_ocio *ocio, const float *numbers, float *resul
 enum { HALVES = 65536, FLOATS = 1000000, NUMBERS = HALVES + FLOATS };
 
 /* All finite halves, and floats in between at even steps of their logarithm. Returns how many. */
-static size_t draw_numbers(const curve_row *row, size_t first, float *numbers) {
+static size_t draw_numbers(size_t first, float *numbers) {
     size_t count = 0;
     for (size_t i = first; i < first + HDR_STRIP && i < NUMBERS; i++) {
         double value =
             i < HALVES ? hdr_half_value((uint16_t)i) : exp(log(1e-8) + log(1e12) * (double)(i - HALVES) / (FLOATS - 1));
-        if (isfinite(value) && !(row->positive && value < 0)) numbers[count++] = (float)value;
+        if (isfinite(value)) numbers[count++] = (float)value;
     }
     return count;
 }
@@ -146,9 +170,9 @@ static size_t draw_numbers(const curve_row *row, size_t first, float *numbers) {
 static void compare_numbers(const curve_row *row, const hdr_step *step, const float *numbers, const float *theirs,
                             size_t count, hdr_agreement *agreement) {
     for (size_t i = 0; i < count; i++) {
-        double ours = step->curve->exact(&step->constants, (double)numbers[i]);
-        widen(&agreement->ours, ours, (double)row->published(numbers[i]));
-        if (!row->theirs) continue;
+        double ours = hdr_held(step->curve->exact(&step->constants, (double)numbers[i]));
+        widen(&agreement->ours, ours, hdr_held((double)row->published(numbers[i])));
+        if (row->most > 0 && !((double)numbers[i] >= row->least && (double)numbers[i] <= row->most)) continue;
         widen(&agreement->apart, (double)theirs[i], ours);
         if (row->follows) widen(&agreement->follows, (double)theirs[i], (double)row->follows(numbers[i]));
         if (ours >= 0 && ours <= 1) agreement->codes = fmax(agreement->codes, 255 * fabs((double)theirs[i] - ours));
@@ -177,17 +201,17 @@ static hdr_status compare_curve(const curve_row *row, hdr_agreement *agreement, 
     hdr_step step;
     hdr_chain *chain = hdr_chain_new(err);
     hdr_status status = chain ? plan_row(row, chain, &step, err) : HDR_INTERNAL;
-    hdr_ocio *ocio = !status && row->theirs ? open_transform(row->theirs, err) : NULL;
-    if (!status && row->theirs && !ocio) status = HDR_BAD_DATA;
+    hdr_ocio *ocio = status ? NULL : open_transform(row->theirs, err);
+    if (!status && !ocio) status = HDR_BAD_DATA;
     for (size_t first = 0; !status && first < NUMBERS; first += HDR_STRIP) {
         float numbers[HDR_STRIP], theirs[HDR_STRIP];
-        size_t count = draw_numbers(row, first, numbers);
-        if (ocio && !map_numbers(ocio, numbers, theirs, count)) status = hdr_fail(err, HDR_INTERNAL, "out of memory");
+        size_t count = draw_numbers(first, numbers);
+        if (!map_numbers(ocio, numbers, theirs, count)) status = hdr_fail(err, HDR_INTERNAL, "out of memory");
         if (!status) compare_numbers(row, &step, numbers, theirs, count, agreement);
     }
     hdr_ocio_free(ocio);
     hdr_chain_free(chain);
-    judge(agreement);
+    judge(agreement, row->rounding);
     return status;
 }
 
@@ -236,7 +260,7 @@ static hdr_status compare_matrix(const matrix_row *row, hdr_agreement *agreement
     if (row->to == TO_LUMINANCE && hdr_matrix_to_xyz(row->primaries, derived))
         for (int i = 0; i < 3; i++)
             widen(&agreement->follows, theirs[i], derived[3 + i]);
-    judge(agreement);
+    judge(agreement, 0);
     return HDR_OK;
 }
 

@@ -203,6 +203,16 @@ static hdr_status resolve(planning *p, int number, const hdr_clause *clause, hdr
     return hdr_fail_in(err, prefix);
 }
 
+/* Values that follow a display's curve are no light: said where a verb takes them for it. */
+static void report_encoded(const planning *p, int number, const char *name) {
+    char clause[HDR_CLAUSE_TEXT];
+    if (!strcmp(p->state, "linear")) return;
+    hdr_decoding_clause(p->state, clause);
+    hdr_say(p->run->listener, HDR_NOTE,
+            "clause %d (%s): it is for light, and the picture is encoded (%s): decode it first (%s then %s)", number,
+            name, p->state, clause, name);
+}
+
 static hdr_status plan_clause(planning *p, int number, const hdr_clause *clause, hdr_error *err) {
     hdr_run *run = p->run;
     const char *name = clause->verb->about.name;
@@ -219,6 +229,9 @@ static hdr_status plan_clause(planning *p, int number, const hdr_clause *clause,
         if (!status) status = resolve(p, number, clause, &facts, &step, &verdict, err);
         if (status) return status;
     }
+    if (step.of_light) report_encoded(p, number, name);
+    if (encodes && run->light_steps < 0) run->light_steps = run->step_count;
+    if (step.for_display) run->scene_light = false;
     if (step.bits && !encodes && !strcmp(p->state, "linear"))
         hdr_say(run->listener, HDR_NOTE, "clause %d (%s): the picture is not encoded: %d bits of linear values", number,
                 name, step.bits);
@@ -262,6 +275,8 @@ static hdr_status check_state(const char *state, hdr_error *err) {
 static hdr_status plan_filters(planning *p, hdr_error *err) {
     const hdr_chain *chain = p->run->chain;
     snprintf(p->state, sizeof p->state, "%s", p->run->source->picture.state);
+    p->run->scene_light = !strcmp(p->state, "linear");
+    p->run->light_steps = -1;
     hdr_status status = check_state(p->state, err);
     if (!status) status = start_colour(p, err);
     if (wants_facts(chain)) hdr_run_keep(p->run);
@@ -302,15 +317,38 @@ static hdr_status choose_format(const hdr_chain *chain, const hdr_output *output
                     endings);
 }
 
+/* A clause that the format adds to the chain: it counts as the format's own. */
+static hdr_status plan_added(planning *p, const char *const words[], int count, hdr_error *err) {
+    hdr_chain *added = hdr_chain_new(err);
+    hdr_status status = added ? hdr_chain_add_clause(added, words, count, err) : err->status;
+    if (!status) status = plan_clause(p, p->run->chain->count, &added->clauses[0], err);
+    hdr_chain_free(added);
+    return status;
+}
+
 /* What a format of codes adds where the chain has neither encoded nor quantised. */
 static hdr_status encode_for_codes(planning *p, hdr_error *err) {
-    if (strcmp(p->state, "linear") || p->bits) return HDR_OK;
-    hdr_clause srgb = {.verb = hdr_verb_find("srgb")};
-    srgb.params = hdr_alloc(1, srgb.verb->params_size);
-    if (!srgb.params) return hdr_fail(err, HDR_INTERNAL, "out of memory");
-    hdr_options_default(srgb.verb->about.options, srgb.params);
-    hdr_status status = plan_clause(p, p->run->chain->count, &srgb, err);
-    free(srgb.params);
+    static const char *const srgb[] = {"srgb"};
+    return strcmp(p->state, "linear") || p->bits ? HDR_OK : plan_added(p, srgb, 1, err);
+}
+
+/* The format rounds to codes as it writes them; only dither takes a clause of its own. */
+static hdr_status dither_for_codes(planning *p, const hdr_verb *verb, const void *params, hdr_error *err) {
+    const hdr_dither_params *dither = verb->format->dither ? verb->format->dither(params) : NULL;
+    if (!dither || dither->kind == HDR_DITHER_NONE) return HDR_OK;
+    if (p->bits)
+        return hdr_fail(
+            err, HDR_USAGE,
+            "%s: --dither is for codes that it makes itself, and the chain has quantised: give it to quantise",
+            verb->about.name);
+    char bits[20], seed[20];
+    snprintf(bits, sizeof bits, "%d", verb->format->bits(params, 0));
+    snprintf(seed, sizeof seed, "%.0f", dither->seed.value);
+    const char *const quantise[] = {"quantise", "--bits", bits, "--dither", hdr_dither_words[dither->kind],
+                                    "--seed",   seed};
+    bool scene_light = p->run->scene_light;
+    hdr_status status = plan_added(p, quantise, 7, err);
+    p->run->scene_light = scene_light; /* nobody has said that it is to be cut */
     return status;
 }
 
@@ -365,6 +403,16 @@ static void report_more(const hdr_run *run) {
         hdr_say(run->listener, HDR_NOTE, "%s: there is more behind the first frame, which alone is read", run->name);
 }
 
+/* Light that codes could not hold, without anybody having said that it is meant. */
+static void report_cut(const hdr_run *run) {
+    if (run->cut > 0)
+        hdr_say(
+            run->listener, HDR_NOTE,
+            "%s: its light reaches %.6g, and what no code can hold is cut: a tone mapping verb (log, reinhard, ...) "
+            "would bring it in, and clamp says that it is meant",
+            run->name, run->cut);
+}
+
 static hdr_status write_picture(planning *p, const hdr_verb *format, hdr_output *output, hdr_error *err) {
     const hdr_chain *chain = p->run->chain;
     const hdr_clause *last = chain->count ? &chain->clauses[chain->count - 1] : NULL;
@@ -373,6 +421,7 @@ static hdr_status write_picture(planning *p, const hdr_verb *format, hdr_output 
     hdr_options_default(format->about.options, params);
     if (last && last->verb == format) memcpy(params, last->params, format->params_size);
     hdr_status status = format->format->codes ? encode_for_codes(p, err) : suit_primaries(p, format, err);
+    if (!status) status = dither_for_codes(p, format, params, err);
     if (!status) report_state(p, format);
     if (!status) status = hdr_run_write(p->run, format, params, output, p->state, p->bits, p->converted, err);
     if (!status && !format->format->alpha && !p->run->raw.opaque)
@@ -447,6 +496,7 @@ static hdr_status run_chain(hdr_chain *chain, hdr_input *input, const hdr_listen
         if (!status && end) status = end(&p, context, &own);
         if (!status) report_missing(&run);
         if (!status) report_more(&run);
+        if (!status) report_cut(&run);
         hdr_plane_free(p.luminance);
         hdr_run_close(&run);
     }

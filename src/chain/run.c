@@ -206,6 +206,8 @@ bool hdr_run_load(hdr_run *run, int thread, const hdr_block *block, int row, int
     strip->count = count;
     strip->row = block->first_row + row;
     strip->x = x;
+    strip->place_x = run->source->picture.data.min_x + x;
+    strip->place_y = run->source->picture.data.min_y + strip->row;
     /* G and B need not be converted where they repeat R; but repairs are counted in all channels */
     bool plain_grey = planes == 3 && run->raw.grey && reduce && same_bits(block, 0, 1, row, x, count) &&
                       same_bits(block, 0, 2, row, x, count);

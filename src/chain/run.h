@@ -23,6 +23,7 @@ typedef struct hdr_raw {
 typedef struct hdr_watch {
     bool colour, translucent, infinity;
     uint64_t hidden; /* pixels that have a colour where alpha is 0, in what is written */
+    double largest;  /* component of what is written, where that is watched: at least 0 */
     uint64_t nan, positive_infinity, negative_infinity;
 } hdr_watch;
 
@@ -56,6 +57,9 @@ typedef struct hdr_run {
     hdr_raw raw;
     hdr_step *steps; /* those resolved so far, skipped ones left out */
     int step_count;
+    bool scene_light;      /* what the steps make is a scene's light, without bounds, or the code of it */
+    int light_steps;       /* the steps in front of the first that encodes; -1: none does */
+    double cut;            /* the largest component of such light that was cut to a code; 0: none was */
     hdr_plane **surrounds; /* of the steps that have one */
     int surround_count;
     double weights[3];  /* of luminance where the steps end */

@@ -23,19 +23,19 @@ void hdr_strip_intensity(hdr_strip *strip, const double weights[3], const double
 
 /* ---- Surrounds ---- */
 
-/* S of the strip's pixels into strip->surround. What lies outside the data window has nothing around it but its like.
+/* S of the strip's pixels into strip->beside. What lies outside the data window has nothing around it but its like.
  */
 static void load_surround(hdr_strip *strip, const hdr_plane *plane) {
     if (strip->row < 0) {
         for (size_t i = 0; i < strip->count; i++)
-            strip->surround[i] = strip->y[i] > 0 ? strip->y[i] : 0;
+            strip->beside[i] = strip->y[i] > 0 ? strip->y[i] : 0;
         return;
     }
     size_t at = (size_t)strip->row * plane->stride + (size_t)strip->x;
     if (plane->wide)
-        memcpy(strip->surround, plane->wide + at, strip->count * sizeof(double));
+        memcpy(strip->beside, plane->wide + at, strip->count * sizeof(double));
     else
-        hdr_float_to_real(plane->narrow + at, strip->surround, strip->count);
+        hdr_float_to_real(plane->narrow + at, strip->beside, strip->count);
 }
 
 /* ---- Mappers ---- */
@@ -87,8 +87,15 @@ static void apply_rows(hdr_strip *strip, const hdr_step *step) {
             hdr_strip_luminance(strip, step->luminance);
         load_surround(strip, step->surround);
         memcpy(strip->ld, strip->y, strip->count * sizeof(double));
-        step->local->rows(&step->constants, strip->ld, strip->surround, strip->count);
+        step->local->rows(&step->constants, strip->ld, strip->beside, strip->count);
         colour_by_luminance(strip, step->saturation);
+        break;
+    case HDR_FORM_PLACED:
+        hdr_dither_thresholds(&step->dither, strip->place_x, strip->place_y, strip->beside, strip->count);
+        for (int p = 0; p < strip->planes; p++) {
+            step->local->rows(&step->constants, strip->c[p], strip->beside, strip->count);
+            hdr_hold(strip->c[p], strip->count);
+        }
         break;
     case HDR_FORM_MATRIX:
         hdr_matrix_rows(strip->c[0], strip->c[1], strip->c[2], step->matrix, strip->count);
@@ -114,6 +121,10 @@ static void reference_pixel(const hdr_strip *strip, size_t i, const hdr_step *st
     if (step->form == HDR_FORM_CHANNEL) {
         for (int p = 0; p < planes; p++)
             *pixel[p] = hdr_held(step->curve->exact(&step->constants, *pixel[p]));
+    } else if (step->form == HDR_FORM_PLACED) {
+        double threshold = hdr_dither_threshold(&step->dither, strip->place_x + (int)i, strip->place_y);
+        for (int p = 0; p < planes; p++)
+            *pixel[p] = hdr_held(step->local->exact(&step->constants, *pixel[p], threshold));
     } else if (step->form != HDR_FORM_MATRIX) {
         const double *w = step->luminance;
         double y = r == g && g == b ? r : w[0] * r + w[1] * g + w[2] * b;

@@ -11,11 +11,12 @@ typedef struct hdr_strip {
     double c[3][HDR_STRIP];
     double alpha[HDR_STRIP];
     double y[HDR_STRIP], ld[HDR_STRIP]; /* room for luminance forms */
-    double surround[HDR_STRIP];         /* room for local forms */
+    double beside[HDR_STRIP];           /* room for formulas of two numbers: surrounds, thresholds */
     int planes;
     size_t count;
-    int row, x;  /* of its first pixel in the data window; row -1: the pixels lie outside */
-    bool failed; /* a mapper has failed, in this strip or another that this room was used for */
+    int row, x;           /* of its first pixel in the data window; row -1: the pixels lie outside */
+    int place_x, place_y; /* the same in the file's coordinates, wherever it lies */
+    bool failed;          /* a mapper has failed, in this strip or another that this room was used for */
 } hdr_strip;
 
 /* Y of the strip's pixels into strip->y. */

@@ -20,6 +20,7 @@ typedef struct writing {
     int bands;
     int tail; /* first of the steps that the table stands for; all steps before are done by rows */
     bool tabulated;
+    int watched; /* the largest component in front of this step is of interest; -1: it is not */
     hdr_code_table *table;
     uint8_t *half_codes; /* codes of all half values, or NULL where that does not serve */
 } writing;
@@ -173,6 +174,20 @@ static bool all_one_half(const uint16_t *half, size_t count) {
     return difference == 0;
 }
 
+static void watch_halves(hdr_watch *watch, const uint16_t *const half[], int planes, size_t count) {
+    for (int p = 0; p < planes; p++) {
+        double largest = hdr_half_value(hdr_half_largest(half[p], count));
+        if (largest > watch->largest) watch->largest = largest;
+    }
+}
+
+static void watch_strip(hdr_watch *watch, const hdr_strip *strip) {
+    for (int p = 0; p < strip->planes; p++) {
+        double largest = hdr_largest(strip->c[p], strip->count);
+        if (largest > watch->largest) watch->largest = largest;
+    }
+}
+
 /* Half values of a row piece straight to codes. False: there is something to repair, or what is assumed does not hold;
  * the other path settles it. */
 static bool store_half_codes(const writing *w, int thread, const hdr_block *block, int row, int x, size_t count,
@@ -195,6 +210,7 @@ static bool store_half_codes(const writing *w, int thread, const hdr_block *bloc
         if (!grey && run->raw.grey) return false;
         *colour |= !grey;
     }
+    if (w->watched >= 0) watch_halves(&run->threads[thread].watch, half, w->frame.planes, count);
     hdr_code_half(w->half_codes, (const uint16_t *const *)half, w->frame.planes, out, count);
     return true;
 }
@@ -211,15 +227,30 @@ static uint64_t count_hidden(const hdr_strip *strip) {
     return hidden;
 }
 
+/* The steps that no table stands for, on a strip of the picture. */
+static void apply_steps(const writing *w, int thread) {
+    const hdr_run *run = w->run;
+    hdr_strip *strip = run->threads[thread].strip;
+    int end = w->tabulated ? w->tail : run->step_count, from = 0;
+    if (w->watched >= 0) {
+        hdr_strip_apply(strip, run->steps, 0, w->watched, run->settings.reference);
+        watch_strip(&run->threads[thread].watch, strip);
+        from = w->watched;
+    }
+    hdr_strip_apply(strip, run->steps, from, end, run->settings.reference);
+}
+
 /* A row as it is outside the data window: black, or the colour that the picture is laid over, after all steps. */
-static void make_border(const writing *w, int thread, unsigned char *out) {
+static void make_border(const writing *w, int thread, int row, unsigned char *out) {
     const hdr_run *run = w->run;
     hdr_strip *strip = run->threads[thread].strip;
     memset(out, 0, hdr_frame_row_bytes(&w->frame));
     strip->row = -1;
+    strip->place_y = w->frame.data.min_y + row;
     for (int x = 0; run->over && x < w->frame.width; x += HDR_STRIP) {
         strip->count = w->frame.width - x < HDR_STRIP ? (size_t)(w->frame.width - x) : HDR_STRIP;
         strip->planes = run->raw.grey && w->may_be_grey ? 1 : run->source->picture.planes;
+        strip->place_x = w->frame.data.min_x + x;
         for (int p = 0; p < strip->planes; p++)
             for (size_t i = 0; i < strip->count; i++)
                 strip->c[p][i] = run->over[p];
@@ -229,13 +260,14 @@ static void make_border(const writing *w, int thread, unsigned char *out) {
 }
 
 /* A row of the frame that has pixels. False: the attempt is over. */
-static bool make_row(const writing *w, int thread, const hdr_block *block, int row, unsigned char *out) {
+static bool make_row(const writing *w, int thread, const hdr_block *block, int frame_row, unsigned char *out) {
     hdr_run *run = w->run;
     const hdr_window *data = &run->source->picture.data, *window = &w->frame.data;
     hdr_strip *strip = run->threads[thread].strip;
+    int row = (int)((int64_t)window->min_y + frame_row - data->min_y) - block->first_row;
     int64_t left = data->min_x > window->min_x ? data->min_x : window->min_x;
     int64_t right = data->max_x < window->max_x ? data->max_x : window->max_x;
-    if (left > window->min_x || right < window->max_x) make_border(w, thread, out);
+    if (left > window->min_x || right < window->max_x) make_border(w, thread, frame_row, out);
     for (int64_t at = left; at <= right; at += HDR_STRIP) {
         size_t count = right - at + 1 < HDR_STRIP ? (size_t)(right - at + 1) : HDR_STRIP;
         int x = (int)(at - data->min_x), frame_x = (int)(at - window->min_x);
@@ -243,7 +275,7 @@ static bool make_row(const writing *w, int thread, const hdr_block *block, int r
             continue;
         if (!hdr_run_load(run, thread, block, row, x, count, w->may_be_grey, w->frame.alpha)) return false;
         if (w->frame.alpha && w->format->format->codes) run->threads[thread].watch.hidden += count_hidden(strip);
-        hdr_strip_apply(strip, run->steps, 0, w->tabulated ? w->tail : run->step_count, run->settings.reference);
+        apply_steps(w, thread);
         if (!w->format->format->codes && !run->raw.opaque)
             for (int p = 0; p < strip->planes; p++)
                 hdr_associate(strip->c[p], strip->alpha, count);
@@ -264,13 +296,13 @@ static bool make_band(const writing *w, int thread, int first, int end, hdr_erro
     for (int row = first; row < end; row++, out += row_bytes) {
         int64_t data_row = (int64_t)window->min_y + row - data->min_y;
         if (beside || data_row < 0 || data_row >= hdr_window_height(data)) {
-            make_border(w, thread, out);
+            make_border(w, thread, row, out);
             continue;
         }
         int wanted = hdr_source_block_of(run->source, (int)data_row);
         if (wanted != current && hdr_run_read(run, thread, wanted, &block, err)) return false;
         current = wanted;
-        if (!make_row(w, thread, &block, (int)data_row - block.first_row, out)) return false;
+        if (!make_row(w, thread, &block, row, out)) return false;
     }
     return true;
 }
@@ -367,6 +399,33 @@ static void report_hidden(const hdr_run *run) {
                 run->name, (unsigned long long)hidden, hidden == 1 ? " has" : "s have");
 }
 
+/* In front of which step the largest component is looked at: where the light is not encoded yet, and no later than in
+ * front of the table. */
+static int choose_watched(const writing *w) {
+    const hdr_run *run = w->run;
+    if (!run->scene_light || !w->format->format->codes) return -1;
+    return run->light_steps >= 0 && run->light_steps < w->tail ? run->light_steps : w->tail;
+}
+
+/* What the steps from `watched` on make of a component, as long as they map each by itself. */
+static double mapped(const writing *w, int end, double value) {
+    const hdr_step *steps = w->run->steps;
+    for (int s = w->watched; s < end && steps[s].form == HDR_FORM_CHANNEL; s++)
+        value = hdr_held(steps[s].curve->exact(&steps[s].constants, value));
+    return value;
+}
+
+/* A render as it is, straight to codes, loses what is above 1: noted, if a code shows it. */
+static void note_cut(const writing *w) {
+    hdr_run *run = w->run;
+    double largest = 0, top = (double)((1 << w->frame.bits) - 1);
+    if (w->watched < 0) return;
+    for (int t = 0; t < run->thread_count; t++)
+        if (run->threads[t].watch.largest > largest) largest = run->threads[t].watch.largest;
+    if (mapped(w, run->step_count, largest) * top >= top + 0.5)
+        run->cut = mapped(w, run->light_steps < 0 ? run->step_count : run->light_steps, largest);
+}
+
 static void explain_tail(const writing *w) {
     const hdr_run *run = w->run;
     if (w->half_codes)
@@ -399,6 +458,7 @@ hdr_status hdr_run_write(hdr_run *run, const hdr_verb *format, const void *param
     /* nor is one of ocio's, whether it comes from a file or not */
     w.may_be_grey = format->format->codes && !converted && strcmp(state, "ocio") != 0;
     w.tail = hdr_steps_tail(run->steps, run->step_count);
+    w.watched = choose_watched(&w);
     hdr_status status = choose_frame(&w, err);
     if (!status) status = add_attributes(&w, converted, err);
     bool table = w.frame.sample == HDR_SAMPLE_U8 && !run->settings.reference && !run->settings.no_skip;
@@ -422,6 +482,7 @@ hdr_status hdr_run_write(hdr_run *run, const hdr_verb *format, const void *param
     if (!status) status = w.sink->end(w.sink, err);
     if (!status) explain_tail(&w);
     if (!status) report_hidden(run);
+    if (!status) note_cut(&w);
     close_sink(&w);
     free(w.table);
     free(w.half_codes);

@@ -53,6 +53,39 @@ bool hdr_float_all_finite(const float *values, size_t count) {
     return largest < 0x7f800000u;
 }
 
+/* Positive numbers order as their bits do, and those of what is negative are, as whole numbers, below 0. */
+HDR_INLINE void half_largest_body(const uint16_t *half, size_t count, uint16_t *largest) {
+    int16_t most = 0;
+    for (size_t i = 0; i < count; i++) {
+        int16_t bits = (int16_t)half[i];
+        most = bits > most ? bits : most;
+    }
+    *largest = (uint16_t)most;
+}
+HDR_VERSIONS_IN(static, half_largest, (const uint16_t *half, size_t count, uint16_t *largest), (half, count, largest))
+
+uint16_t hdr_half_largest(const uint16_t *half, size_t count) {
+    uint16_t largest;
+    half_largest(half, count, &largest);
+    return largest;
+}
+
+HDR_INLINE void real_largest_body(const double *values, size_t count, int64_t *largest) {
+    int64_t most = 0;
+    for (size_t i = 0; i < count; i++) {
+        int64_t bits = (int64_t)hdr_real_bits(values[i]);
+        most = bits > most ? bits : most;
+    }
+    *largest = most;
+}
+HDR_VERSIONS_IN(static, real_largest, (const double *values, size_t count, int64_t *largest), (values, count, largest))
+
+double hdr_largest(const double *values, size_t count) {
+    int64_t largest;
+    real_largest(values, count, &largest);
+    return hdr_real_from_bits((uint64_t)largest);
+}
+
 /* A half's exponent and fraction, moved to float's place, are the value times 2^-112. Subnormal halves would be
  * subnormal floats there, which are slow to work with: they get 2^-14 added (as 1.f 2^-14) and taken off again, which
  * is exact. */

@@ -15,6 +15,10 @@
 bool hdr_half_all_finite(const uint16_t *half, size_t count);
 bool hdr_float_all_finite(const float *values, size_t count);
 
+/* The largest of finite values, at least 0. */
+uint16_t hdr_half_largest(const uint16_t *half, size_t count);
+double hdr_largest(const double *values, size_t count);
+
 /* Exact conversion of finite values. */
 void hdr_half_to_real(const uint16_t *half, double *out, size_t count);
 void hdr_float_to_real(const float *values, double *out, size_t count);

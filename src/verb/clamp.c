@@ -40,6 +40,7 @@ static hdr_verdict plan(const void *params, const hdr_scene *scene, hdr_step *st
     const clamp_params *p = params;
     step->form = HDR_FORM_CHANNEL;
     step->curve = &clamp;
+    step->for_display = p->max.value <= 1;
     step->constants.v[0] = p->min.value;
     step->constants.v[1] = p->max.value;
     snprintf(step->note, sizeof step->note, "to [%.9g, %.9g]", p->min.value, p->max.value);

@@ -1,11 +1,21 @@
 /* What several verbs share. */
 #include "verb/verb.h"
 
+#include <stdio.h>
 #include <string.h>
 
 void hdr_luminance_form(const hdr_luminance_params *params, hdr_step *step) {
     step->form = params->per_channel ? HDR_FORM_CHANNEL : HDR_FORM_LUMINANCE;
     step->saturation = params->saturation.value;
+}
+
+const char *const hdr_dither_words[] = {"none", "ordered", "blue", NULL};
+
+hdr_status hdr_dither_check(const hdr_dither_params *params, const hdr_options *given, hdr_error *err) {
+    for (int i = 0; i < given->count; i++)
+        if (params->kind == HDR_DITHER_NONE && !strcmp(given->given[i].option->name, "seed"))
+            return hdr_fail(err, HDR_USAGE, "--seed has no meaning without --dither ordered or blue");
+    return HDR_OK;
 }
 
 hdr_sample hdr_format_float(const void *params, int bits) {
@@ -18,6 +28,26 @@ hdr_status hdr_check_linear(const hdr_scene *scene, bool force, hdr_error *err) 
     return hdr_fail(err, HDR_BAD_DATA,
                     "the picture is encoded already (%s): decode it first (--decode), or insist with --force",
                     scene->state);
+}
+
+hdr_verdict hdr_encoding_step(const hdr_encoding_params *params, const hdr_curve *encode, const hdr_curve *decode,
+                              const char *state, const hdr_scene *scene, hdr_step *step, hdr_error *err) {
+    if (!params->decode && hdr_check_linear(scene, params->force, err)) return HDR_REFUSE;
+    step->form = HDR_FORM_CHANNEL;
+    step->curve = params->decode ? decode : encode;
+    snprintf(step->state, sizeof step->state, "%s", params->decode ? "linear" : state);
+    return HDR_RUN;
+}
+
+void hdr_decoding_clause(const char *state, char clause[HDR_CLAUSE_TEXT]) {
+    int verb = (int)strcspn(state, " ");
+    if (strcmp(state, "ocio") == 0) {
+        snprintf(clause, HDR_CLAUSE_TEXT, "ocio --from SPACE --to SPACE");
+        return;
+    }
+    bool exponent = strncmp(state, "gamma ", 6) == 0;
+    snprintf(clause, HDR_CLAUSE_TEXT, "%.*s%s%s --decode", verb, state, exponent ? " --exponent" : "",
+             exponent ? state + verb : "");
 }
 
 hdr_status hdr_refuse_text(const hdr_option *table, const char *name, const char *text, const char *why,

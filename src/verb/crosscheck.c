@@ -34,8 +34,9 @@ const hdr_verb hdr_verb_crosscheck = {
              "Each line has the largest distances met, relative for results from 0.001 on and absolute below: of ours "
              "from what is published; of OpenColorIO's from ours, also in 8-bit codes; and, where OpenColorIO follows "
              "another formula by design, of its results from that formula, with the reason. A line agrees if ours is "
-             "what is published (to 1e-12, which is rounding alone), and OpenColorIO's is ours, or else the formula "
-             "that it is said to follow (to 2e-7 and 4e-7, or 1e-7 below 0.001, which is rounding of float32).\n\n"
+             "what is published, but for the roundings of double, and OpenColorIO's is ours (to 2e-7, or 1e-7 below "
+             "0.001, which is rounding of float32), or else what it is said to be instead (to 5e-7, since some of its "
+             "formulas round several times).\n\n"
              "The exit status is 1 if some line does not agree. It needs the plug-in hdrpipe-ocio.so, and takes some "
              "seconds.",
          .examples = examples,

@@ -56,6 +56,7 @@ static hdr_verdict plan(const void *params, const hdr_scene *scene, hdr_step *st
                                                              : facts->max_luminance;
     step->form = HDR_FORM_CHANNEL;
     step->curve = &divide;
+    step->of_light = step->for_display = true;
     step->constants.v[0] = maximum > 0 ? maximum : 1;
     snprintf(step->note, sizeof step->note, maximum > 0 ? "M = %.9g" : "M = %.9g is not above 0: unchanged", maximum);
     return maximum > 0 && maximum != 1 ? HDR_RUN : HDR_SKIP;

@@ -222,6 +222,7 @@ static hdr_verdict plan(const void *params, const hdr_scene *scene, hdr_step *st
     const durand_params *p = params;
     const hdr_facts *facts = &scene->facts;
     step->saturation = p->saturation.value;
+    step->of_light = step->for_display = true;
     if (facts->lit == 0) {
         step->form = HDR_FORM_LUMINANCE;
         step->curve = &durand_dark;

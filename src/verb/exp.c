@@ -52,6 +52,7 @@ static hdr_verdict plan(const void *params, const hdr_scene *scene, hdr_step *st
     const exp_params *p = params;
     bool dark = (scene->facts.known & HDR_FACT_LUMINANCE) && scene->facts.lit == 0;
     hdr_luminance_form(&p->luminance, step);
+    step->of_light = step->for_display = true;
     step->curve = &exponential;
     step->constants.v[0] = dark ? 0 : p->k.word < 0 ? p->k.value : 1 / scene->facts.log_average;
     if (dark)

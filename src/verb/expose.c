@@ -54,6 +54,7 @@ static hdr_verdict plan(const void *params, const hdr_scene *scene, hdr_step *st
     double factor = !p->automatic ? hdr_exp2(p->ev.value) : dark ? 1 : 0.18 / facts->log_average;
     step->form = HDR_FORM_CHANNEL;
     step->curve = &multiply;
+    step->of_light = p->automatic; /* any factor may be meant, but not that an average of codes be a middle grey */
     step->constants.v[0] = factor;
     if (factor == 1) {
         snprintf(step->note, sizeof step->note, "%s", dark ? "nothing is lit" : "ev = 0");

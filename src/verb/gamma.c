@@ -6,7 +6,7 @@
 
 typedef struct gamma_params {
     hdr_number exponent;
-    bool decode, force;
+    hdr_encoding_params encoding;
 } gamma_params;
 
 static const hdr_option options[] = {{.name = "exponent",
@@ -19,14 +19,7 @@ static const hdr_option options[] = {{.name = "exponent",
                                       .above_min = true,
                                       .default_value = "2.2",
                                       .help = "the exponent: C^(1/G), or C^G with --decode"},
-                                     {.name = "decode",
-                                      .type = HDR_OPTION_FLAG,
-                                      .offset = offsetof(gamma_params, decode),
-                                      .help = "the inverse: from encoded to linear"},
-                                     {.name = "force",
-                                      .type = HDR_OPTION_FLAG,
-                                      .offset = offsetof(gamma_params, force),
-                                      .help = "encode even what is encoded already"},
+                                     HDR_ENCODING_OPTIONS(gamma_params),
                                      {0}};
 
 /* C' = max(C, 0)^p; p = v[0]. */
@@ -46,14 +39,11 @@ HDR_CURVE_MONOTONE(positive)
 static hdr_verdict plan(const void *params, const hdr_scene *scene, hdr_step *step, hdr_error *err) {
     const gamma_params *p = params;
     double g = p->exponent.value;
-    if (!p->decode && hdr_check_linear(scene, p->force, err)) return HDR_REFUSE;
-    step->form = HDR_FORM_CHANNEL;
-    step->curve = g == 1 ? &positive : &power;
-    step->constants.v[0] = p->decode ? g : 1 / g;
-    if (p->decode)
-        snprintf(step->state, sizeof step->state, "linear");
-    else
-        snprintf(step->state, sizeof step->state, "gamma %.15g", g);
+    char state[sizeof step->state];
+    snprintf(state, sizeof state, "gamma %.15g", g);
+    const hdr_curve *curve = g == 1 ? &positive : &power;
+    if (hdr_encoding_step(&p->encoding, curve, curve, state, scene, step, err) == HDR_REFUSE) return HDR_REFUSE;
+    step->constants.v[0] = p->encoding.decode ? g : 1 / g;
     snprintf(step->note, sizeof step->note, "C^%.9g", step->constants.v[0]);
     const hdr_facts *facts = &scene->facts;
     return g == 1 && (facts->known & HDR_FACT_COMPONENTS) && facts->min_component > 0 ? HDR_SKIP : HDR_RUN;
@@ -69,8 +59,7 @@ const hdr_verb hdr_verb_gamma = {
               .details = "C' = max(C, 0)^(1/G) for each colour component; with --decode, C' = max(C, 0)^G.\n\n"
                          "Pure gamma 2.2 is not the sRGB curve: they differ by up to 8.5 codes of 255 in the shadows. "
                          "A PNG made of it "
-                         "carries a gAMA chunk that says so.\n\n"
-                         "A picture that is encoded already is refused unless --force is given.",
+                         "carries a gAMA chunk that says so." HDR_ENCODING_DETAILS,
               .examples = examples,
               .options = options,
               .kind = HDR_FILTER},

@@ -126,6 +126,8 @@ static hdr_verdict plan(const void *params, const hdr_scene *scene, hdr_step *st
     const hdr_facts *facts = &scene->facts;
     double *v = step->constants.v;
     hdr_luminance_form(&p->luminance, step);
+    step->of_light = true;
+    step->for_display = p->mode != MODE_LITERAL;
     bool dark = false;
     switch (p->mode) {
     case MODE_SHIFTED:

@@ -124,6 +124,7 @@ static hdr_verdict plan(const void *params, const hdr_scene *scene, hdr_step *st
     const hdr_ocio_about *about = &t->ocio->about;
     step->wants_rec709 = t->ocio->built_in && !p->from;
     snprintf(step->state, sizeof step->state, "%s", about->linear ? "linear" : "ocio");
+    step->for_display = !about->linear;
     if (about->to[0])
         snprintf(step->note, sizeof step->note, "from %.100s to %.100s", about->from, about->to);
     else

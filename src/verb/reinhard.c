@@ -159,6 +159,7 @@ static hdr_verdict plan(const void *params, const hdr_scene *scene, hdr_step *st
     double key = p->key.value, white = p->white.value;
     bool is_white = p->white.word < 0; /* a number; otherwise the largest L */
     hdr_luminance_form(&p->luminance, step);
+    step->of_light = step->for_display = true;
     if (facts->lit == 0) {
         step->curve = &reinhard_dark;
         snprintf(step->note, sizeof step->note, "nothing is lit: 0 everywhere");

@@ -73,8 +73,8 @@ HDR_CURVE_MONOTONE(fade)
 /* ---- The plan -----------------------------------------------------------------------------------------------------
  * Options and facts become a step: the curve, its constants, and how it is applied. HDR_FORM_CHANNEL applies it to each
  * colour component; HDR_FORM_LUMINANCE to luminance, keeping chromaticity (exp.c shows its options). The note is what
- * --explain tells. An encoding also fills step->state (srgb.c), a verb that cannot go on fills err and returns
- * HDR_REFUSE. */
+ * --explain tells. A verb that brings a scene's light into [0,1] also sets step->of_light and for_display (exp.c), an
+ * encoding fills step->state (srgb.c), a verb that cannot go on fills err and returns HDR_REFUSE. */
 static hdr_verdict plan(const void *params, const hdr_scene *scene, hdr_step *step, hdr_error *err) {
     (void)err;
     const skeleton_params *p = params;

@@ -5,18 +5,10 @@
 #include <stdio.h>
 
 typedef struct srgb_params {
-    bool decode, force;
+    hdr_encoding_params encoding;
 } srgb_params;
 
-static const hdr_option options[] = {{.name = "decode",
-                                      .type = HDR_OPTION_FLAG,
-                                      .offset = offsetof(srgb_params, decode),
-                                      .help = "the inverse: from encoded to linear"},
-                                     {.name = "force",
-                                      .type = HDR_OPTION_FLAG,
-                                      .offset = offsetof(srgb_params, force),
-                                      .help = "encode even what is encoded already"},
-                                     {0}};
+static const hdr_option options[] = {HDR_ENCODING_OPTIONS(srgb_params), {0}};
 
 /* IEC 61966-2-1:1999, 5.2: C' = 12.92 C for C <= 0.0031308, else 1.055 C^(1/2.4) - 0.055. */
 #define SRGB_JOINT 0.0031308 /* where the published branches meet they fall by 2.9e-8 */
@@ -41,12 +33,8 @@ HDR_CURVE(srgb_decode)
 
 static hdr_verdict plan(const void *params, const hdr_scene *scene, hdr_step *step, hdr_error *err) {
     const srgb_params *p = params;
-    if (!p->decode && hdr_check_linear(scene, p->force, err)) return HDR_REFUSE;
-    step->form = HDR_FORM_CHANNEL;
-    step->curve = p->decode ? &srgb_decode : &srgb_encode;
-    snprintf(step->note, sizeof step->note, "IEC 61966-2-1%s", p->decode ? ", inverse" : "");
-    snprintf(step->state, sizeof step->state, "%s", p->decode ? "linear" : "srgb");
-    return HDR_RUN;
+    snprintf(step->note, sizeof step->note, "IEC 61966-2-1%s", p->encoding.decode ? ", inverse" : "");
+    return hdr_encoding_step(&p->encoding, &srgb_encode, &srgb_decode, "srgb", scene, step, err);
 }
 
 static const char *const examples[] = {"hdr exp then srgb then png -o OUT.png IN.exr",
@@ -58,8 +46,8 @@ const hdr_verb hdr_verb_srgb = {
               .details =
                   "IEC 61966-2-1: C' = 12.92 C for C <= 0.0031308, else 1.055 C^(1/2.4) - 0.055. With --decode the "
                   "inverse: C' = C / 12.92 "
-                  "for C <= 0.04045, else ((C + 0.055) / 1.055)^2.4. Negative components keep the linear branch.\n\n"
-                  "A picture that is encoded already is refused unless --force is given.",
+                  "for C <= 0.04045, else ((C + 0.055) / 1.055)^2.4. Negative components keep the linear "
+                  "branch." HDR_ENCODING_DETAILS,
               .examples = examples,
               .options = options,
               .kind = HDR_FILTER},

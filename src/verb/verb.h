@@ -8,6 +8,7 @@
 #include "base/options.h"
 #include "base/pool.h"
 #include "io/sink.h"
+#include "kernel/dither.h"
 #include "picture/facts.h"
 #include "picture/plane.h"
 
@@ -51,7 +52,8 @@ typedef struct hdr_curve {
     }                                                                                                                  \
     static const hdr_curve name = {name##_exact, name##_rows, monotone, joined, joint};
 
-/* A formula of two numbers, a pixel's luminance and what its surround is, defined for all that are not negative. */
+/* A formula of two numbers: a pixel's luminance and what its surround is, defined for all that are not negative; or any
+ * value and the threshold of its place, in (0,1). */
 typedef struct hdr_local_curve {
     double (*exact)(const hdr_constants *constants, double value, double surround);
     void (*rows)(const hdr_constants *constants, double *values, const double *surround, size_t count);
@@ -88,6 +90,7 @@ typedef enum hdr_form {
     HDR_FORM_CHANNEL,   /* C' = f(C), each colour channel by itself */
     HDR_FORM_LUMINANCE, /* Ld = f(Y), C' = (C/Y)^saturation Ld; 0 where Y <= 0 */
     HDR_FORM_LOCAL,     /* Ld = f(Y, S), S the pixel's surround; C' as above */
+    HDR_FORM_PLACED,    /* C' = f(C, t), each colour channel by itself, t the threshold of the pixel's place */
     HDR_FORM_MATRIX,    /* (R',G',B') = M (R,G,B) */
     HDR_FORM_MAPPED     /* (R',G',B') = what the mapper makes of (R,G,B); their primaries are its matter from then on */
 } hdr_form;
@@ -98,8 +101,9 @@ typedef struct hdr_step {
     int clause; /* 1 for the first */
     hdr_form form;
     const hdr_curve *curve;
-    const hdr_local_curve *local; /* HDR_FORM_LOCAL */
-    const hdr_plane *surround;    /* the same: S of each pixel of the data window; filled by the chain */
+    const hdr_local_curve *local; /* HDR_FORM_LOCAL, HDR_FORM_PLACED */
+    const hdr_plane *surround;    /* HDR_FORM_LOCAL: S of each pixel of the data window; filled by the chain */
+    hdr_dither dither;            /* HDR_FORM_PLACED: the thresholds */
     hdr_constants constants;
     double saturation;        /* HDR_FORM_LUMINANCE, HDR_FORM_LOCAL */
     bool own_weights;         /* HDR_FORM_LOCAL: luminance[] are the step's own; a pixel is lit if Y is, too */
@@ -110,7 +114,9 @@ typedef struct hdr_step {
     bool wants_rec709;        /* the same: it takes pixels in Rec.709's primaries, as verbs that encode do */
     char state[64];           /* not empty: what the pixels are afterwards, "linear", "srgb", "gamma 2.2" */
     int bits;                 /* above 0: the pixels are quantised to that many bits afterwards */
-    char note[240];           /* for --explain: the constants, or the reason of a skip */
+    bool of_light;            /* it maps light: of values that are encoded it makes no sense */
+    bool for_display; /* its result is meant for a display: what lies outside of [0,1] may be cut without a word */
+    char note[240];   /* for --explain: the constants, or the reason of a skip */
 } hdr_step;
 
 /* What plan() may know. */
@@ -160,6 +166,12 @@ typedef enum hdr_format_states {
     HDR_STATES_LOST  /* nothing: that is said */
 } hdr_format_states;
 
+/* How codes are to be dithered. */
+typedef struct hdr_dither_params {
+    int kind; /* hdr_dither_kind */
+    hdr_number seed;
+} hdr_dither_params;
+
 /* What a format verb provides. */
 typedef struct hdr_format {
     const char *extension; /* ".png" */
@@ -171,6 +183,8 @@ typedef struct hdr_format {
     /* Codes: the bits of a sample, after an explicit quantisation to `quantised` bits (0: none). */
     int (*bits)(const void *params, int quantised);
     hdr_sample (*sample)(const void *params, int bits);
+    /* The same: how the chain's own quantisation is to be dithered. NULL: it cannot be. */
+    const hdr_dither_params *(*dither)(const void *params);
     /* Whether the chain is to be told in the file. NULL: it never is. */
     bool (*records)(const void *params);
     hdr_sink *(*create)(const void *params, hdr_output *output, const hdr_frame *frame, hdr_error *err);
@@ -255,6 +269,27 @@ void hdr_luminance_form(const hdr_luminance_params *params, hdr_step *step);
     "of stats that stand in front of this one. The numbers go along through a pipe, where FILE is not needed any "     \
     "more."
 
+/* ---- What dithering verbs share ---- */
+
+extern const char *const hdr_dither_words[]; /* by hdr_dither_kind */
+
+/* Their two options, for a table whose params struct has a member `dither`. */
+#define HDR_DITHER_OPTIONS(params)                                                                                     \
+    {.name = "dither",                                                                                                 \
+     .type = HDR_OPTION_CHOICE,                                                                                        \
+     .offset = offsetof(params, dither.kind),                                                                          \
+     .metavar = "KIND",                                                                                                \
+     .words = hdr_dither_words,                                                                                        \
+     .default_value = "none",                                                                                          \
+     .help = "round up or down by a pattern, so that areas keep their mean"},                                          \
+    {                                                                                                                  \
+        .name = "seed", .type = HDR_OPTION_INTEGER, .offset = offsetof(params, dither.seed), .metavar = "N", .min = 0, \
+        .max = 4294967295, .default_value = "0", .help = "another number moves the pattern of --dither"                \
+    }
+
+/* HDR_USAGE where a seed was given for no pattern. */
+hdr_status hdr_dither_check(const hdr_dither_params *params, const hdr_options *given, hdr_error *err);
+
 /* ---- What encodings share ---- */
 
 /* Formats whose samples are float32 whatever comes. */
@@ -262,5 +297,31 @@ hdr_sample hdr_format_float(const void *params, int bits);
 
 /* Encodings: refuses to encode what is encoded already unless forced. */
 hdr_status hdr_check_linear(const hdr_scene *scene, bool force, hdr_error *err);
+
+typedef struct hdr_encoding_params {
+    bool decode, force;
+} hdr_encoding_params;
+
+/* Their two options, for a table whose params struct has a member `encoding`. */
+#define HDR_ENCODING_OPTIONS(params)                                                                                   \
+    {.name = "decode",                                                                                                 \
+     .type = HDR_OPTION_FLAG,                                                                                          \
+     .offset = offsetof(params, encoding.decode),                                                                      \
+     .help = "the inverse: from encoded to linear"},                                                                   \
+    {                                                                                                                  \
+        .name = "force", .type = HDR_OPTION_FLAG, .offset = offsetof(params, encoding.force),                          \
+        .help = "encode even what is encoded already"                                                                  \
+    }
+
+/* What the manual says about it: the last paragraph of such a verb's details. */
+#define HDR_ENCODING_DETAILS "\n\nA picture that is encoded already is refused unless --force is given."
+
+/* A curve and its inverse, each channel by itself, the state that the curve's name is, and what plan() is to return. */
+hdr_verdict hdr_encoding_step(const hdr_encoding_params *params, const hdr_curve *encode, const hdr_curve *decode,
+                              const char *state, const hdr_scene *scene, hdr_step *step, hdr_error *err);
+
+/* The clause that undoes an encoding, by its state's name: "gamma --exponent 2.2 --decode". */
+#define HDR_CLAUSE_TEXT 100
+void hdr_decoding_clause(const char *state, char clause[HDR_CLAUSE_TEXT]);
 
 #endif

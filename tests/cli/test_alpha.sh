@@ -105,7 +105,7 @@ done
 
 # ---- Colour that does not show -----------------------------------------------------------------------------------
 
-expect_status 0 'emission to PNG' "$hdr" png -j 2 -o "$work/a.png" "$alpha"
+expect_status 0 'emission to PNG' "$hdr" clamp : png -j 2 -o "$work/a.png" "$alpha"
 check 'emission to PNG: one line' one_line_with alpha.exr
 check 'emission to PNG: counted' stderr_has ' 4 pixels have a colour but an alpha of 0'
 expect_status 0 'emission to PNG, twice over' "$hdr" log : png -o "$work/a.png" "$alpha"
@@ -115,7 +115,7 @@ check 'emission to EXR: nothing to say' stderr_lines 0
 expect_status 0 'emission to PNG, quiet' "$hdr" png -q -o "$work/a.png" "$alpha"
 check 'emission to PNG, quiet' stderr_lines 0
 for how in drop over:0,0,0; do
-    expect_status 0 "emission, $how" "$hdr" png --alpha "$how" -o "$work/a.png" "$alpha"
+    expect_status 0 "emission, $how" "$hdr" clamp : png --alpha "$how" -o "$work/a.png" "$alpha"
     check "emission, $how: nothing to say" stderr_lines 0
 done
 expect_status 0 'cover without colour' "$hdr" png -o "$work/a.png" "$tiny/opaque.exr"

@@ -402,7 +402,7 @@ awk 'BEGIN {
 tail -c $((8 * 4 * 3 * 4)) "$work/special.pfm" | od -An -v -tf4 -w4 | awk '{ printf "%.5e\n", $1 + 0 }' | sed 's/^-0\.0*e+00$/0.00000e+00/' >"$work/read"
 check 'special values are repaired, and their neighbours are as they were' cmp -s "$work/wanted" "$work/read"
 "$hdr" png -o "$work/repaired.png" "$work/repaired.exr" 2>"$work/stderr"
-check 'a repaired picture has nothing to repair' stderr_lines 0
+check 'a repaired picture has nothing to repair' test "$(grep -c 'repaired components' "$work/stderr")" -eq 0
 check 'a repaired picture gives the same codes' cmp -s "$work/special.png" "$work/repaired.png"
 
 # ---- Encoded twice -----------------------------------------------------------------------------------------------

@@ -125,8 +125,8 @@ static int compare_reals(const void *a, const void *b) {
 /* All doubles within float's range, ascending, with neighbours among them. */
 static void draw_values(const hdr_step *step, double *values) {
     size_t count = 0;
-    static const double ends[] = {0, -0.0, FLT_MAX,   -FLT_MAX, 0x1p-149, -0x1p-149,
-                                  1, 0.5,  0.0031308, 0.04045,  0.018,    0.081};
+    static const double ends[] = {0,   -0.0,      FLT_MAX, -FLT_MAX, 0x1p-149, -0x1p-149, 1,
+                                  0.5, 0.0031308, 0.04045, 0.018,    0.081,    1.0 / 12};
     for (size_t i = 0; i < sizeof ends / sizeof *ends; i++)
         values[count++] = ends[i];
     for (int c = 0; c < 6; c++) /* where the formula's own numbers lie */
@@ -167,22 +167,53 @@ static void check_rows(const char *name, const hdr_step *step, const double *val
     }
 }
 
-/* The standard's own constants make its curve fall where its branches meet: sRGB's, by 2.86e-8 at 0.0031308. */
-static double standard_fall(const char *verb) {
-    return strcmp(verb, "srgb") ? 0 : 2.9e-8;
+/* Standards whose own rounded constants make a curve fall, from the last number of one branch to the first of the next:
+ * sRGB's by 2.86e-8, the inverse of BT.709's by 5.4977e-5, which sRGB's curve, of a slope of 4.6 there, makes 16.5
+ * codes of 16 bits. */
+typedef struct law_joint {
+    const char *verb;
+    double last; /* of the lower branch */
+    double fall;
+    int codes_8, codes_16; /* that a PNG's codes may fall by */
+} law_joint;
+
+static const law_joint law_joints[] = {{"srgb", 0.0031308, 2.9e-8, 0, 0},
+                                       {"rec709", 0x1.4bc6a7ef9db22p-4 /* below 0.081 */, 5.498e-5, 0, 17}};
+
+/* That of a step, or NULL: a curve has none unless it says so. */
+static const law_joint *joint_of(const hdr_step *step) {
+    for (size_t i = 0; i < sizeof law_joints / sizeof *law_joints; i++)
+        if (step->curve && step->curve->has_joint && !strcmp(step->verb->about.name, law_joints[i].verb))
+            return &law_joints[i];
+    return NULL;
+}
+
+static bool meets_joint(const law_joint *joint, double below, double above) {
+    return joint && below <= joint->last && above > joint->last;
+}
+
+/* How far a curve may fall by rounding: some ulps. pq's is an exponential of ln V, so that a rounding of that makes
+ * |ln V| as many of V. */
+static double rounding_room(const hdr_step *step, double value) {
+    bool exponential = !strcmp(step->verb->about.name, "pq") && step->state[0] && strcmp(step->state, "linear") != 0;
+    double ulps = exponential && value > 0 ? 4 + 2 * fabs(log(value)) : 4;
+    return step->curve->monotone_to_the_bit ? 0 : ulps * DBL_EPSILON * fabs(value);
 }
 
 /* Falls of an ulp or two are rounding, which a curve that is monotone to the bit may not have. */
 static void check_curve(const char *name, const hdr_step *step) {
     double values[CURVE_VALUES], exact[CURVE_VALUES];
+    const law_joint *joint = joint_of(step);
+    CHECK(step->curve->has_joint == (joint != NULL) && (!joint || step->curve->joint == joint->last),
+          "%s: a joint that no standard has", name);
     draw_values(step, values);
     size_t nan = 0, fall = 0, unlit = 0;
     for (size_t i = 0; i < CURVE_VALUES; i++) {
         exact[i] = step->curve->exact(&step->constants, values[i]);
         nan += isnan(exact[i]);
         unlit += step->form == HDR_FORM_LUMINANCE && values[i] <= 0 && exact[i] != 0;
-        double room = step->curve->monotone_to_the_bit || i == 0 ? 0 : 4 * DBL_EPSILON * fabs(exact[i - 1]);
-        room += step->curve->monotone_to_the_bit ? 0 : standard_fall(step->verb->about.name);
+        double room = i == 0 ? 0 : rounding_room(step, exact[i - 1]);
+        if (i > 0 && meets_joint(joint, values[i - 1], values[i])) room += joint->fall;
         if (i > 0 && exact[i] < exact[i - 1] - room) fall = i;
     }
     CHECK(nan == 0, "%s (%s): %zu results are NaN", name, step->note, nan);
@@ -215,27 +246,58 @@ static void check_local(const char *name, const hdr_step *step) {
     CHECK(fall == 0, "%s (%s): falls at %zu values", name, step->note, fall);
 }
 
+/* A curve that is told a threshold: within [0,1], whose ends stay what they are, the same by rows as one by one, and no
+ * less of a larger value or threshold. */
+static void check_placed(const char *name, const hdr_step *step) {
+    double values[CURVE_VALUES], thresholds[CURVE_VALUES], rows[CURVE_VALUES];
+    draw_values(step, values);
+    for (size_t i = 0; i < CURVE_VALUES; i++)
+        thresholds[i] = hdr_dither_threshold(&step->dither, (int)law_random(), (int)law_random());
+    memcpy(rows, values, sizeof rows);
+    step->local->rows(&step->constants, rows, thresholds, CURVE_VALUES);
+    size_t wrong = 0, different = 0, fall = 0;
+    for (size_t i = 0; i < CURVE_VALUES; i++) {
+        double t = thresholds[i], exact = step->local->exact(&step->constants, values[i], t);
+        wrong += !(exact >= 0 && exact <= 1 && t > 0 && t < 1) || (values[i] <= 0 && exact != 0) ||
+                 (values[i] >= 1 && exact != 1);
+        different += !same_double(exact, rows[i]);
+        fall += i > 0 && step->local->exact(&step->constants, values[i - 1], t) > exact;
+        fall += step->local->exact(&step->constants, values[i], t / 2) > exact;
+    }
+    CHECK(wrong == 0, "%s (%s): %zu results are outside of [0,1], or its ends change", name, step->note, wrong);
+    CHECK(different == 0, "%s (%s): rows and exact differ at %zu values", name, step->note, different);
+    CHECK(fall == 0, "%s (%s): falls at %zu values", name, step->note, fall);
+}
+
+/* What the verb plans for a scene. */
+static hdr_verdict law_plan(const law_variant *variant, int scene_number, hdr_step *step, hdr_error *error) {
+    hdr_options given = {0};
+    void *params = law_parameters(variant, &given);
+    hdr_scene scene = {.facts = plausible_facts(scene_number), .state = "linear"};
+    *step = (hdr_step){.verb = variant->verb, .clause = 1, .saturation = 1};
+    hdr_verdict verdict = variant->verb->plan(params, &scene, step, error);
+    hdr_options_free(&given);
+    free(params);
+    return verdict;
+}
+
 static void test_curves(void) {
     unsigned long curves = 0;
     for (int v = 0; v < law_variant_count; v++)
         for (int s = 0; s < CURVE_SCENES; s++) {
             const law_variant *variant = &law_variants[v];
-            hdr_options given = {0};
             hdr_error error = {0};
-            void *params = law_parameters(variant, &given);
-            hdr_scene scene = {.facts = plausible_facts(s), .state = "linear"};
-            hdr_step step = {.verb = variant->verb, .clause = 1, .saturation = 1}, again = step;
-            hdr_verdict verdict = variant->verb->plan(params, &scene, &step, &error);
+            hdr_step step, again;
+            hdr_verdict verdict = law_plan(variant, s, &step, &error);
             CHECK(verdict != HDR_REFUSE, "%s: %s", variant->words, error.message);
-            variant->verb->plan(params, &scene, &again, &error);
+            law_plan(variant, s, &again, &error);
             CHECK(step.curve == again.curve && !memcmp(&step.constants, &again.constants, sizeof step.constants) &&
                       !strcmp(step.note, again.note) && !strcmp(step.state, again.state),
                   "%s: plan is not pure", variant->words);
             /* a skipped step is filled all the same: --no-skip does it */
             if (step.form != HDR_FORM_MATRIX && step.curve) check_curve(variant->words, &step), curves++;
             if (step.form == HDR_FORM_LOCAL) check_local(variant->words, &step), curves++;
-            hdr_options_free(&given);
-            free(params);
+            if (step.form == HDR_FORM_PLACED) check_placed(variant->words, &step), curves++;
         }
     CHECK(curves > 0, "no curve was tried");
 }

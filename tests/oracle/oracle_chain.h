@@ -17,6 +17,9 @@ typedef enum oracle_verb {
     ORACLE_REINHARD,
     ORACLE_GAMMA,
     ORACLE_SRGB,
+    ORACLE_REC709,
+    ORACLE_PQ,
+    ORACLE_HLG,
     ORACLE_QUANTISE,
     ORACLE_CONVERT /* to Rec.709's primaries: no verb, but a step that encoding verbs bring along */
 } oracle_verb;
@@ -44,7 +47,7 @@ typedef struct oracle_step {
     oracle_verb verb;
     oracle_mode mode;
     bool automatic, decode, per_channel, of_luminance, is_local;
-    oracle_number low, high, ev, k, saturation, exponent;
+    oracle_number low, high, ev, k, saturation, exponent, nits;
     oracle_number key, white, delta, phi, epsilon; /* as typed: words too */
     oracle_number percentile;
     int bits;
@@ -73,7 +76,6 @@ typedef struct oracle_step {
 enum { ORACLE_STEPS = 16, ORACLE_WORD = 32 };
 
 typedef enum oracle_format { ORACLE_PNG, ORACLE_EXR, ORACLE_PFM, ORACLE_NO_FORMAT } oracle_format;
-typedef enum oracle_state { ORACLE_LINEAR, ORACLE_SRGB_ENCODED, ORACLE_GAMMA_ENCODED } oracle_state;
 
 typedef struct oracle_chain {
     const oracle_picture *picture;
@@ -82,7 +84,8 @@ typedef struct oracle_chain {
     char words[8 * ORACLE_STEPS][ORACLE_WORD]; /* steps' numbers point here */
     int word_count;
     oracle_format format;
-    oracle_state state;
+    bool encoded;
+    oracle_verb encoding;     /* where encoded: by which verb */
     oracle_number encoded_by; /* gamma's exponent */
     oracle_weights weights;   /* of the primaries that the pixels are in, after the steps so far */
     bool keep_primaries, no_adaptation, data_window;
@@ -254,6 +257,7 @@ static oracle_step oracle_default_step(oracle_verb verb) {
                          .ev = NUMBER(0.),
                          .saturation = NUMBER(1.),
                          .exponent = NUMBER(2.2),
+                         .nits = NUMBER(100.),
                          .key = NUMBER(0.18),
                          .white = {"by-key", 0},
                          .delta = NUMBER(0.),
@@ -280,6 +284,7 @@ static int oracle_parse_option(oracle_chain *chain, oracle_step *step, const cha
         {"--exponent", offsetof(oracle_step, exponent)},
         {"--saturation", offsetof(oracle_step, saturation)},
         {"-g", offsetof(oracle_step, exponent)},
+        {"--nits", offsetof(oracle_step, nits)},
         {"--key", offsetof(oracle_step, key)},
         {"--white", offsetof(oracle_step, white)},
         {"--delta", offsetof(oracle_step, delta)},
@@ -437,21 +442,19 @@ static void oracle_fill_facts(oracle_chain *chain, oracle_step *step) {
 }
 
 static void oracle_add_step(oracle_chain *chain, oracle_step *step) {
-    bool encodes = (step->verb == ORACLE_GAMMA || step->verb == ORACLE_SRGB) && !step->decode;
+    bool curve = step->verb >= ORACLE_GAMMA && step->verb <= ORACLE_HLG, encodes = curve && !step->decode;
     if (encodes || step->verb == ORACLE_QUANTISE) oracle_convert_primaries(chain);
     oracle_fill_facts(chain, step);
     oracle_append(chain, step);
-    if (step->verb == ORACLE_GAMMA || step->verb == ORACLE_SRGB)
-        chain->state = step->decode                ? ORACLE_LINEAR
-                       : step->verb == ORACLE_SRGB ? ORACLE_SRGB_ENCODED
-                                                   : ORACLE_GAMMA_ENCODED;
+    if (curve) chain->encoded = encodes;
+    if (encodes) chain->encoding = step->verb;
     if (encodes) chain->encoded_by = step->exponent;
     if (step->verb == ORACLE_QUANTISE) chain->bits = step->bits;
 }
 
 /* What png adds: srgb where the chain has neither encoded nor quantised; in any case codes of the file's depth. */
 static void oracle_add_png(oracle_chain *chain, int bits) {
-    if (chain->state == ORACLE_LINEAR && !chain->bits) {
+    if (!chain->encoded && !chain->bits) {
         oracle_step srgb = oracle_default_step(ORACLE_SRGB);
         oracle_add_step(chain, &srgb);
     }
@@ -463,8 +466,8 @@ static void oracle_add_png(oracle_chain *chain, int bits) {
 }
 
 static bool oracle_add_clause(oracle_chain *chain, const char *verb, oracle_step *step) {
-    static const char *const verbs[] = {"divmax",   "clamp", "expose", "log",     "exp",
-                                        "reinhard", "gamma", "srgb",   "quantise"};
+    static const char *const verbs[] = {"divmax", "clamp", "expose", "log", "exp", "reinhard",
+                                        "gamma",  "srgb",  "rec709", "pq",  "hlg", "quantise"};
     static const char *const formats[] = {"png", "exr", "pfm"};
     for (size_t i = 0; i < sizeof verbs / sizeof verbs[0]; i++) {
         if (strcmp(verb, verbs[i]) != 0) continue;
@@ -482,7 +485,7 @@ static bool oracle_add_clause(oracle_chain *chain, const char *verb, oracle_step
 }
 
 /* Makes the steps of a chain given as one line of words. False: words that the oracle does not know. */
-static bool oracle_prepare(oracle_chain *chain, const oracle_picture *picture, const char *text) {
+static inline bool oracle_prepare(oracle_chain *chain, const oracle_picture *picture, const char *text) {
     *chain = (oracle_chain){.picture = picture, .format = ORACLE_NO_FORMAT, .weights = oracle_weights_of(picture)};
     for (int length; sscanf(text, "%31s%n", chain->words[chain->word_count], &length) == 1; text += length)
         if (++chain->word_count == 8 * ORACLE_STEPS) return false;

@@ -46,22 +46,50 @@ static bool oracle_inside(const oracle_picture *picture, int x, int y, size_t *p
 
 /* ---- PNG ---- */
 
+/* ITU-T H.273's number of a curve that gAMA cannot tell; 0: none. */
+static int oracle_transfer(const oracle_chain *chain) {
+    if (!chain->encoded) return 0;
+    return chain->encoding == ORACLE_REC709 ? 1
+           : chain->encoding == ORACLE_PQ   ? 16
+           : chain->encoding == ORACLE_HLG  ? 18
+                                            : 0;
+}
+
+/* The same of primaries that a picture has kept: BT.2020's alone among the oracle's pictures have one. */
+static int oracle_kept_primaries(const oracle_picture *picture) {
+    static const double bt2020[4][2] = {{0.708, 0.292}, {0.17, 0.797}, {0.131, 0.046}, {0.3127, 0.329}};
+    for (int i = 0; i < 8; i++)
+        if (fabs((double)picture->primaries.at[i / 2][i % 2] - bt2020[i / 2][i % 2]) > 1e-5) return 0;
+    return 9;
+}
+
+static void oracle_compare_coding_points(const oracle_chain *chain, bool kept, const uint8_t *bytes, size_t size,
+                                         oracle_verdict *verdict) {
+    int primaries = kept ? oracle_kept_primaries(chain->picture) : 1, transfer = oracle_transfer(chain);
+    const uint8_t *points = oracle_chunk(bytes, size, "cICP", 4);
+    oracle_agree(verdict, oracle_has_chunk(bytes, size, "cICP") == (primaries && transfer), "cICP: %d", points != NULL);
+    oracle_agree(verdict,
+                 !points || (points[0] == primaries && points[1] == transfer && points[2] == 0 && points[3] == 1),
+                 "cICP is not %d %d 0 1", primaries, transfer);
+}
+
 static void oracle_compare_chunks(const oracle_chain *chain, const uint8_t *bytes, size_t size, const oracle_png *png,
                                   oracle_verdict *verdict) {
     static const uint32_t rec709[8] = {31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000};
     bool kept = chain->picture->foreign && !chain->converted && chain->picture->planes == 3;
     const uint8_t *gamma = oracle_chunk(bytes, size, "gAMA", 4), *cube = oracle_chunk(bytes, size, "cHRM", 32);
     const uint8_t *srgb = oracle_chunk(bytes, size, "sRGB", 1);
-    bool is_srgb = chain->state == ORACLE_SRGB_ENCODED && !kept;
-    long double exponent = chain->state == ORACLE_SRGB_ENCODED    ? 1 / 2.2L
-                           : chain->state == ORACLE_GAMMA_ENCODED ? 1 / chain->encoded_by.value
-                                                                  : 1;
+    bool is_srgb = chain->encoded && chain->encoding == ORACLE_SRGB && !kept;
+    long double exponent = !chain->encoded                   ? 1
+                           : chain->encoding == ORACLE_GAMMA ? 1 / chain->encoded_by.value
+                                                             : 1 / 2.2L;
     oracle_agree(verdict, is_srgb == (srgb != NULL) && is_srgb == oracle_has_chunk(bytes, size, "sRGB"),
                  "sRGB chunk: %d, should be %d", srgb != NULL, is_srgb);
-    oracle_agree(verdict, gamma && oracle_be32(gamma) == (uint32_t)floorl(100000 * exponent + 0.5L), "gAMA is %u",
-                 gamma ? oracle_be32(gamma) : 0);
-    oracle_agree(verdict, !is_srgb || cube, "no cHRM beside sRGB");
-    oracle_agree(verdict, !oracle_has_chunk(bytes, size, "cICP"), "cICP for no cause");
+    uint32_t told = gamma ? oracle_be32(gamma) : 0;
+    oracle_agree(verdict, told == (oracle_transfer(chain) ? 0 : (uint32_t)floorl(100000 * exponent + 0.5L)),
+                 "gAMA is %u", told);
+    oracle_agree(verdict, cube ? is_srgb || kept : !is_srgb, "cHRM: %d", cube != NULL);
+    oracle_compare_coding_points(chain, kept, bytes, size, verdict);
     for (int i = 0; cube && i < 8; i++) {
         long double kept_value = chain->picture->primaries.at[(i / 2 + 3) % 4][i % 2];
         long double value = kept ? 100000 * kept_value : rec709[i];

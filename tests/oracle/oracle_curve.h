@@ -152,6 +152,89 @@ static REAL OF(srgb_decode)(REAL c) {
     return OF(power)(base, OF(number)(NUMBER(2.4)));
 }
 
+/* BT.709: 4.5 C below 0.018, 1.099 C^0.45 - 0.099 from there on. */
+static REAL OF(rec709_encode)(REAL c) {
+    if (OF(compare)(c, OF(number)(NUMBER(0.018))) < 0) return OF(multiply)(OF(number)(NUMBER(4.5)), c);
+    REAL power = OF(power)(c, OF(number)(NUMBER(0.45)));
+    return OF(subtract)(OF(multiply)(OF(number)(NUMBER(1.099)), power), OF(number)(NUMBER(0.099)));
+}
+
+/* BT.709: C / 4.5 below 0.081, ((C + 0.099) / 1.099)^(1/0.45) from there on. */
+static REAL OF(rec709_decode)(REAL c) {
+    if (OF(compare)(c, OF(number)(NUMBER(0.081))) < 0) return OF(divide)(c, OF(number)(NUMBER(4.5)));
+    REAL base = OF(divide)(OF(add)(c, OF(number)(NUMBER(0.099))), OF(number)(NUMBER(1.099)));
+    return OF(power)(base, OF(divide)(OF(from)(1), OF(number)(NUMBER(0.45))));
+}
+
+/* ST 2084's m1, m2, c1, c2, c3: decimals that are exact. */
+static const oracle_number OF(pq)[5] = {{"0.1593017578125", 0.1593017578125L},
+                                        {"78.84375", 78.84375L},
+                                        {"0.8359375", 0.8359375L},
+                                        {"18.8515625", 18.8515625L},
+                                        {"18.6875", 18.6875L}};
+
+/* ST 2084: y = (C nits / 10000)^m1, V = ((c1 + c2 y) / (1 + c3 y))^m2; negative C: 0. */
+static REAL OF(pq_encode)(const oracle_step *step, REAL c) {
+    REAL light = OF(multiply)(OF(larger)(c, OF(from)(0)), OF(number)(step->nits));
+    REAL y = OF(power)(OF(divide)(light, OF(from)(10000)), OF(number)(OF(pq)[0]));
+    REAL above = OF(add)(OF(number)(OF(pq)[2]), OF(multiply)(OF(number)(OF(pq)[3]), y));
+    REAL below = OF(add)(OF(from)(1), OF(multiply)(OF(number)(OF(pq)[4]), y));
+    return OF(power)(OF(divide)(above, below), OF(number)(OF(pq)[1]));
+}
+
+/* ST 2084: 10000 (max(V^(1/m2) - c1, 0) / (c2 - c3 V^(1/m2)))^(1/m1) / nits, V clamped to [0,1]. */
+static REAL OF(pq_decode)(const oracle_step *step, REAL v) {
+    const REAL one = OF(from)(1);
+    REAL root = OF(power)(OF(within)(v, 0, 1), OF(divide)(one, OF(number)(OF(pq)[1])));
+    REAL above = OF(larger)(OF(subtract)(root, OF(number)(OF(pq)[2])), OF(from)(0));
+    REAL below = OF(subtract)(OF(number)(OF(pq)[3]), OF(multiply)(OF(number)(OF(pq)[4]), root));
+    REAL whole = OF(power)(OF(divide)(above, below), OF(divide)(one, OF(number)(OF(pq)[0])));
+    return OF(divide)(OF(multiply)(whole, OF(from)(10000)), OF(number)(step->nits));
+}
+
+/* BT.2100: a, b = 1 - 4a, c = 0.5 - a ln(4a). */
+static void OF(hlg_constants)(REAL *a, REAL *b, REAL *c) {
+    *a = OF(number)(NUMBER(0.17883277));
+    REAL four = OF(multiply)(OF(from)(4), *a);
+    *b = OF(subtract)(OF(from)(1), four);
+    *c = OF(subtract)(OF(from)(0.5L), OF(multiply)(*a, OF(ln)(four)));
+}
+
+/* HLG: sqrt(3C) up to 1/12, a ln(12C - b) + c above; negative C: 0. */
+static REAL OF(hlg_encode)(REAL light) {
+    REAL a, b, c, twelve = OF(multiply)(OF(from)(12), light);
+    if (!OF(positive)(light)) return OF(from)(0);
+    if (OF(compare)(twelve, OF(from)(1)) <= 0) return OF(power)(OF(multiply)(OF(from)(3), light), OF(from)(0.5L));
+    OF(hlg_constants)(&a, &b, &c);
+    return OF(add)(OF(multiply)(a, OF(ln)(OF(subtract)(twelve, b))), c);
+}
+
+/* HLG: V^2 / 3 up to 1/2, (exp((V - c) / a) + b) / 12 above; negative V: 0. */
+static REAL OF(hlg_decode)(REAL v) {
+    REAL a, b, c;
+    if (!OF(positive)(v)) return OF(from)(0);
+    if (OF(compare)(v, OF(from)(0.5L)) <= 0) return OF(divide)(OF(multiply)(v, v), OF(from)(3));
+    OF(hlg_constants)(&a, &b, &c);
+    REAL curved = OF(exp_minus_one)(OF(divide)(OF(subtract)(v, c), a));
+    return OF(divide)(OF(add)(curved, OF(add)(OF(from)(1), b)), OF(from)(12));
+}
+
+/* The encoding verbs. */
+static REAL OF(encoding)(const oracle_step *step, REAL c) {
+    switch (step->verb) {
+    case ORACLE_GAMMA:
+        return OF(gamma)(step, c);
+    case ORACLE_SRGB:
+        return step->decode ? OF(srgb_decode)(c) : OF(srgb_encode)(c);
+    case ORACLE_REC709:
+        return step->decode ? OF(rec709_decode)(c) : OF(rec709_encode)(c);
+    case ORACLE_PQ:
+        return step->decode ? OF(pq_decode)(step, c) : OF(pq_encode)(step, c);
+    default:
+        return step->decode ? OF(hlg_decode)(c) : OF(hlg_encode)(c);
+    }
+}
+
 /* quantise: code = floor(v (2^b - 1) + 1/2), v clamped to [0,1]. Tells how far v lies from the boundary between two
  * codes, in codes. */
 static long OF(code)(REAL value, int bits, long double *distance) {
@@ -186,14 +269,12 @@ static REAL OF(component)(const oracle_step *step, REAL c, long double *distance
         return OF(smaller)(OF(larger)(c, OF(number)(step->low)), OF(number)(step->high));
     case ORACLE_EXPOSE:
         return OF(expose)(step, c);
-    case ORACLE_GAMMA:
-        return OF(gamma)(step, c);
-    case ORACLE_SRGB:
-        return step->decode ? OF(srgb_decode)(c) : OF(srgb_encode)(c);
     case ORACLE_QUANTISE:
         return OF(quantise)(c, step->bits, distance);
-    default:
+    case ORACLE_LOG:
         return OF(log_literal)(step, c);
+    default:
+        return OF(encoding)(step, c);
     }
 }
 

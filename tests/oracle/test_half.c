@@ -1,5 +1,5 @@
-/* All 65,536 half values through each encoding and its inverse, at 8 and 16 bits: each code against MPFR. The values
- * come as a luminance-only EXR, as an EXR of three planes in three orders, and as float planes in memory. */
+/* All 65,536 half values through each encoding and its inverse, at 8, 10, 12 and 16 bits: each code against MPFR. The
+ * values come as a luminance-only EXR, as an EXR of three planes in three orders, and as float planes in memory. */
 #include "check.h"
 #include "oracle_check.h"
 #include "oracle_run.h"
@@ -7,26 +7,29 @@
 
 enum { SIDE = 256, HALVES = SIDE * SIDE };
 
+/* Each encoding, both ways. */
+static const char *const curves[] = {
+    "gamma -g 2.2",  "gamma -g 1.8",    "gamma -g 2.222222222222222",
+    "srgb",          "rec709",          "pq",
+    "pq --nits 203", "pq --nits 10000", "pq --nits 0.5",
+    "hlg",
+};
+/* What stands behind it for codes of 8, 10, 12 and 16 bits; a decoded picture would be encoded again by png alone. */
+static const struct {
+    const char *encoded, *decoded;
+} ends[] = {{"png", "quantise --bits 8 then png"},
+            {"quantise --bits 10 then png", "quantise --bits 10 then png"},
+            {"quantise --bits 12 then png", "quantise --bits 12 then png"},
+            {"png --bits 16", "quantise --bits 16 then png"}};
+
+/* Others in which every verb sees one component at a time. */
 static const char *const chains[] = {
-    "gamma -g 2.2 then png",
-    "gamma -g 2.2 then png --bits 16",
-    "gamma -g 1.8 then png",
-    "gamma -g 1.8 then png --bits 16",
-    "gamma -g 2.222222222222222 then png",
-    "gamma -g 2.222222222222222 then png --bits 16",
-    "srgb then png",
-    "srgb then png --bits 16",
     "srgb then quantise --bits 5 then png",
-    "srgb then quantise --bits 12 then png",
-    "gamma --decode then quantise --bits 8 then png",
-    "gamma --decode then quantise --bits 16 then png",
-    "gamma --decode -g 1.8 then quantise --bits 8 then png",
-    "gamma --decode -g 1.8 then quantise --bits 16 then png",
-    "gamma --decode -g 2.222222222222222 then quantise --bits 8 then png",
-    "gamma --decode -g 2.222222222222222 then quantise --bits 16 then png",
-    "srgb --decode then quantise --bits 8 then png",
-    "srgb --decode then quantise --bits 16 then png",
     "srgb --decode then gamma then png",
+    "rec709 --decode then srgb then png",
+    "rec709 --decode then png --bits 16",
+    "pq --decode then srgb then png",
+    "hlg --decode then rec709 then png",
     "quantise --bits 1 then png",
     "quantise --bits 5 then png",
     "quantise --bits 8 then png",
@@ -123,6 +126,18 @@ static void check_chain(const char *text, const oracle_picture *halves, const fi
     check_run(text, "planes", 3, hdr_input_planes(SIDE, SIDE, 3, planes, NULL, &error), &error, expected);
 }
 
+/* There and back. */
+static void check_curve(const char *curve, const oracle_picture *halves, const file_bytes exr[2],
+                        const float *const planes[3]) {
+    char text[ORACLE_LINE];
+    for (size_t e = 0; e < sizeof ends / sizeof ends[0]; e++) {
+        snprintf(text, sizeof text, "%s then %s", curve, ends[e].encoded);
+        check_chain(text, halves, exr, planes);
+        snprintf(text, sizeof text, "%s --decode then %s", curve, ends[e].decoded);
+        check_chain(text, halves, exr, planes);
+    }
+}
+
 int main(void) {
     static float plane[3][HALVES], value[HALVES];
     const float *const planes[3] = {plane[0], plane[1], plane[2]};
@@ -145,6 +160,8 @@ int main(void) {
             plane[p][i] = float_of_half(half_at(p, i));
     bool made = make_half_exr(1, &exr[0]) && make_half_exr(3, &exr[1]);
     CHECK(made, "the EXR files cannot be made");
+    for (size_t c = 0; made && c < sizeof curves / sizeof curves[0]; c++)
+        check_curve(curves[c], &halves, exr, planes);
     for (size_t c = 0; made && c < sizeof chains / sizeof chains[0]; c++)
         check_chain(chains[c], &halves, exr, planes);
     free(exr[0].data);

@@ -133,6 +133,21 @@ static void test_floats(void) {
 }
 
 /* One bad value at each place in turn; those on either side of the piece do not count. */
+static void test_half_largest(void) {
+    static uint16_t half[LONGEST + OFFSETS];
+    for (int l = 0; l < LENGTHS; l++)
+        for (size_t offset = 0; offset < OFFSETS; offset++) {
+            size_t count = length_number(l);
+            double largest = 0;
+            for (size_t i = 0; i < LONGEST + OFFSETS; i++)
+                half[i] = (uint16_t)(random_bits() % 0x7c00 | (offset % 3 == 1 || random_bits() % 2 ? 0x8000 : 0));
+            for (size_t i = 0; i < count; i++)
+                largest = fmax(largest, plain_half(half[offset + i]));
+            CHECK(hdr_half_value(hdr_half_largest(half + offset, count)) == largest, "largest half of %zu at %zu",
+                  count, offset);
+        }
+}
+
 static void test_all_finite(void) {
     static const uint16_t bad_half[] = {0x7c00, 0xfc00, 0x7c01, 0xffff};
     static const float bad_float[] = {INFINITY, -INFINITY, NAN, -NAN};
@@ -453,8 +468,10 @@ static void test_facts(void) {
             if (offset & 1) range = plain = (hdr_range){-0x1p-100, 0x1p-100, 0x1p-120};
             double lanes[8] = {0}, plain_lanes[8] = {0};
             uint64_t lit = 5, plain_lit = 5;
+            double largest = 0;
             for (size_t i = 0; i < count; i++) {
                 double v = values[offset + i];
+                largest = v > largest ? v : largest;
                 plain.min = v < plain.min ? v : plain.min;
                 plain.max = v > plain.max ? v : plain.max;
                 if (v > 0 && v < plain.min_positive) plain.min_positive = v;
@@ -463,6 +480,7 @@ static void test_facts(void) {
             hdr_range_add(&range, values + offset, count);
             CHECK(range.min == plain.min && range.max == plain.max && range.min_positive == plain.min_positive,
                   "range of %zu at %zu", count, offset);
+            CHECK(hdr_largest(values + offset, count) == largest, "largest of %zu at %zu", count, offset);
             hdr_sum_logs(values + offset, lanes, &lit, count);
             CHECK(same_bits(lanes, plain_lanes, sizeof lanes) && lit == plain_lit, "logs of %zu at %zu", count, offset);
         }
@@ -553,6 +571,7 @@ static uint64_t test_level(void) {
     test_real_to_half();
     test_floats();
     test_all_finite();
+    test_half_largest();
     test_colour();
     test_codes();
     test_lookup();
