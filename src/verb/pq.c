@@ -13,12 +13,12 @@ typedef struct pq_params {
 static const hdr_option options[] = {{.name = "nits",
                                       .type = HDR_OPTION_NUMBER,
                                       .offset = offsetof(pq_params, nits),
-                                      .metavar = "CD/M2",
+                                      .metavar = "NITS",
                                       .min = 0,
                                       .max = 1e6,
                                       .above_min = true,
                                       .default_value = "100",
-                                      .help = "the luminance of 1.0"},
+                                      .help = "the luminance of 1.0, in candelas per square metre"},
                                      HDR_ENCODING_OPTIONS(pq_params),
                                      {0}};
 
@@ -77,10 +77,10 @@ const hdr_verb hdr_verb_pq = {
          .summary = "encode by the PQ curve of HDR displays",
          .details =
              "SMPTE ST 2084, perceptual quantisation: V = ((c1 + c2 y) / (1 + c3 y))^m2 with y = (L / 10000)^m1, where "
-             "L = C CD/M2 is the light that the display is to give, in candelas per square metre, and m1 = 2610/16384, "
+             "L = NITS C is the light that the display is to give, in candelas per square metre, and m1 = 2610/16384, "
              "m2 = 2523/4096 x 128, c1 = 3424/4096, c2 = 2413/4096 x 32, c3 = 2392/4096 x 32. Negative components "
              "become 0; 0 becomes 7.3e-7. With --decode the inverse: L = 10000 (max(V^(1/m2) - c1, 0) / (c2 - c3 "
-             "V^(1/m2)))^(1/m1), with V held to [0,1], and C = L / CD/M2.\n\n"
+             "V^(1/m2)))^(1/m1), with V held to [0,1], and C = L / NITS.\n\n"
              "The curve is absolute: a code means a luminance, the same on every display that can show it, and V = 1 "
              "is 10000 cd/m2. --nits says what 1.0 of the picture is to be: 100 is the white of a picture for an "
              "ordinary display, 203 the diffuse white that ITU-R BT.2408 recommends. A scene whose light is not scaled "

@@ -83,7 +83,7 @@ const hdr_verb hdr_verb_quantise = {
                   "the ranks 0 to 4095 stand in a tile of 64 x 64 pixels that covers the plane: a value between two "
                   "codes gets the upper one at as many pixels as is right, and the mean over a tile is off by 1/8192 "
                   "of a code at most. Black, white, and any other value that is a whole code stay as they are, and no "
-                  "code is ever more than 1 from the value.\n\n"
+                  "code is as much as 1 from its value. The noise is greatest half way between two codes.\n\n"
                   "--dither blue has the ranks by the void-and-cluster method (Ulichney 1993): pixels that are rounded "
                   "up lie apart, in no order that the eye finds. --dither ordered has Bayer's matrix (1973): its "
                   "regular patterns show, but compress better, which counts for pictures of few bits.\n\n"

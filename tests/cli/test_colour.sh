@@ -188,6 +188,12 @@ unsaid png png "$work/encoded.exr"
 printf 'Pf\n1 1\n-1.0\n\305\040\200\077' >"$work/hardly.pfm" # 1.001
 unsaid png png "$work/hardly.pfm"
 said 'its light reaches 1.001, ' 'png --bits 16' png "$work/hardly.pfm"
+"$hdr" srgb "$bright" | "$hdr" quantise --bits 4 --dither blue --seed 7 | "$hdr" png -q >"$work/piped.png"
+"$hdr" srgb : quantise --bits 4 --dither blue --seed 7 : png -q -o "$work/a.png" "$bright"
+check 'dither through pipes' cmp -s "$work/a.png" "$work/piped.png"
+"$hdr" log "$bright" | "$hdr" png --dither ordered -j 2 >"$work/piped.png"
+"$hdr" log : png --dither ordered -j 1 -o "$work/a.png" "$bright"
+check 'dither at the end of a pipe' cmp -s "$work/a.png" "$work/piped.png"
 expect_status 0 'through a pipe' sh -c "'$hdr' srgb '$bright' | '$hdr' png >'$work/piped.png'"
 check 'through a pipe: once' one_line_with 'its light reaches'
 expect_status 0 'quiet' "$hdr" png -q -o "$work/a.png" "$bright"

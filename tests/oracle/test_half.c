@@ -1,5 +1,6 @@
-/* All 65,536 half values through each encoding and its inverse, at 8, 10, 12 and 16 bits: each code against MPFR. The
- * values come as a luminance-only EXR, as an EXR of three planes in three orders, and as float planes in memory. */
+/* All 65,536 half values through each encoding and its inverse, at 8, 10, 12 and 16 bits: each code against the
+ * oracle's, which MPFR decides wherever long double leaves a doubt. The values come as a luminance-only EXR, as an EXR
+ * of three planes in three orders, and as float planes in memory. */
 #include "check.h"
 #include "oracle_check.h"
 #include "oracle_run.h"
@@ -88,7 +89,7 @@ static bool make_half_exr(int planes, file_bytes *file) {
  * picture of one plane tells them all. */
 static void expect_codes(const oracle_chain *chain, oracle_codes expected[HALVES]) {
     for (unsigned half = 0; half < HALVES; half++)
-        expected[half] = oracle_exact_codes(chain, half);
+        expected[half] = oracle_expect(chain, half);
 }
 
 static void check_run(const char *text, const char *from, int planes, hdr_input *input, hdr_error *error,
