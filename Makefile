@@ -127,7 +127,7 @@ $(BUILD)/plugin/hdrpipe-exr.so: src/plugin/exr_dwa.cc src/plugin/exr_dwa.h $(BUI
 # the configuration that is built in, as a string
 $(BUILD)/plugin/aces.ocio.h: src/plugin/aces.ocio
 	@mkdir -p $(@D)
-	$(Q)sed 's/["\\]/\\&/g; s/.*/"&\\n"/' $< >$@
+	$(Q){ echo 'const char built_in[] ='; sed 's/["\\]/\\&/g; s/.*/"&\\n"/' $<; echo ';'; } >$@
 
 $(BUILD)/plugin/hdrpipe-ocio.so: src/plugin/ocio.cc $(BUILD)/plugin/aces.ocio.h src/plugin/ocio.h include/hdrpipe.h $(BUILD)/flags
 	@echo '  CXX $@'

@@ -18,12 +18,13 @@ static const hdr_ocio_table *load(hdr_error *err) {
 
 /* ---- Configurations ---- */
 
-/* The library tells a file that is missing from a faulty one in words alone. */
+/* The library tells a file that is missing, or cannot be read, from a faulty one in words alone. */
 static hdr_status check_file(const char *file, const char *named_by, hdr_error *err) {
     FILE *opened = fopen(file, "r");
-    if (!opened) return hdr_fail(err, HDR_NO_INPUT, "%s: %s: %s", named_by, file, strerror(errno));
-    fclose(opened);
-    return HDR_OK;
+    bool readable = opened && (fgetc(opened) != EOF || !ferror(opened));
+    int why = errno;
+    if (opened) fclose(opened);
+    return readable ? HDR_OK : hdr_fail(err, HDR_NO_INPUT, "%s: %s: %s", named_by, file, strerror(why));
 }
 
 static hdr_status open_config(const hdr_ocio_table *plugin, const hdr_ocio_source *source, hdr_ocio_config **config,

@@ -24,7 +24,8 @@ typedef struct hdr_ocio {
 hdr_ocio *hdr_ocio_new(const hdr_ocio_source *source, const hdr_ocio_request *request, hdr_error *err);
 void hdr_ocio_free(hdr_ocio *ocio);
 
-/* Maps pixels of R, G, B and A in place; they may become infinite or NaN. False: the library failed, for want of memory. */
+/* Maps pixels of R, G, B and A in place; they may become infinite or NaN. False: the library failed, for want of
+ * memory. */
 bool hdr_ocio_apply(const hdr_ocio *ocio, float *pixels, size_t count);
 
 #endif

@@ -26,10 +26,8 @@ struct hdr_ocio_processor {
 
 namespace {
 
-// aces.ocio
-const char built_in[] =
+// const char built_in[]: the text of aces.ocio, which make turns into a string
 #include "aces.ocio.h"
-    ;
 
 // ---- Faults ----
 

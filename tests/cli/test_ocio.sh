@@ -56,8 +56,8 @@ done
 cp "$work/stdout" "$work/built_in"
 expect_status 0 'names of a file' "$hdr" ocio --list --config "$aces"
 check 'the file is what is built in' cmp -s "$work/stdout" "$work/built_in"
-of_environment() { OCIO=$aces "$hdr" ocio --list; }
-expect_status 0 'names of the environment' of_environment
+by_environment() { OCIO=$aces "$hdr" ocio --list; }
+expect_status 0 'names of the environment' by_environment
 check 'they are the same' cmp -s "$work/stdout" "$work/built_in"
 check 'it prints nothing else' stderr_lines 0
 expect_status 0 'as JSON' "$hdr" ocio --list --json
@@ -107,7 +107,7 @@ of_environment() { OCIO=$work/missing.ocio "$hdr" "$@"; }
 faulty 66 '$OCIO' of_environment ocio -o "$work/out/a.png" "$picture"
 echo 'ocio_profile_version: [' >"$work/broken.ocio"
 faulty 65 broken.ocio "$hdr" ocio --config "$work/broken.ocio" -o "$work/out/a.png" "$picture"
-faulty 65 "$work" "$hdr" ocio --config "$work" -o "$work/out/a.png" "$picture"
+faulty 66 directory "$hdr" ocio --config "$work" -o "$work/out/a.png" "$picture"
 unset_environment() { OCIO='' "$hdr" "$@"; }
 expect_status 0 'an empty OCIO is none' unset_environment ocio -o "$work/a.png" "$picture"
 
