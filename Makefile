@@ -125,7 +125,7 @@ $(BUILD)/plugin/hdrpipe-exr.so: src/plugin/exr_dwa.cc src/plugin/exr_dwa.h $(BUI
 	$(Q)$(CXX) $(ALL_CXXFLAGS) $(OPENEXR_CXXFLAGS) -fPIC -shared -fvisibility=hidden $(LDFLAGS) $< -o $@ $(OPENEXR_CXX_LIBS)
 
 # the configuration that is built in, as a string
-$(BUILD)/plugin/aces.ocio.h: src/plugin/aces.ocio
+$(BUILD)/plugin/aces.ocio.h: src/plugin/aces.ocio Makefile
 	@mkdir -p $(@D)
 	$(Q){ echo 'const char built_in[] ='; sed 's/["\\]/\\&/g; s/.*/"&\\n"/' $<; echo ';'; } >$@
 

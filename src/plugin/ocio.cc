@@ -82,8 +82,9 @@ hdr_status open(const char *file, const char *text, hdr_ocio_config **config, hd
     return guarded(err, [&] {
         silence();
         std::istringstream stream(text ? text : built_in);
-        *config =
-            new hdr_ocio_config{file ? OCIO::Config::CreateFromFile(file) : OCIO::Config::CreateFromStream(stream)};
+        OCIO::ConstConfigRcPtr made =
+            file ? OCIO::Config::CreateFromFile(file) : OCIO::Config::CreateFromStream(stream);
+        *config = new hdr_ocio_config{made};
     });
 }
 
