@@ -443,7 +443,7 @@ typedef struct hdr_agreement {
     const char *reason;   /* why that is another, by design; NULL: it is not meant to be */
     size_t numbers;       /* that were compared */
     bool agrees;          /* ours is what is published, but for the roundings of double; and OpenColorIO's is ours to
-                               2e-7, or 1e-7 below 0.001, or else what it is said to be instead, to 5e-7 */
+                               2e-7, or 1e-7 below 0.001, or else what it is said to be instead, to 1e-6 */
 } hdr_agreement;
 
 /* Compares: curves over all half values and 10^6 floats from 1e-8 to 1e4. verb: those of one verb, or of "primaries";

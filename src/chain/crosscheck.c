@@ -98,7 +98,7 @@ enum { MATRICES = sizeof matrices / sizeof matrices[0] };
 
 static const hdr_distance near = {2e-7, 1e-7};
 /* of OpenColorIO's from its own formula: several roundings to float32, some of them raised to 2.4 */
-static const hdr_distance follows = {5e-7, 1e-7};
+static const hdr_distance follows = {1e-6, 1e-7};
 static const hdr_distance nothing = {-1, -1};
 
 static void widen(hdr_distance *distance, double value, double reference) {

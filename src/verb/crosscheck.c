@@ -35,7 +35,7 @@ const hdr_verb hdr_verb_crosscheck = {
              "from what is published; of OpenColorIO's from ours, also in 8-bit codes; and, where OpenColorIO follows "
              "another formula by design, of its results from that formula, with the reason. A line agrees if ours is "
              "what is published, but for the roundings of double, and OpenColorIO's is ours (to 2e-7, or 1e-7 below "
-             "0.001, which is rounding of float32), or else what it is said to be instead (to 5e-7, since some of its "
+             "0.001, which is rounding of float32), or else what it is said to be instead (to 1e-6, since some of its "
              "formulas round several times).\n\n"
              "The exit status is 1 if some line does not agree. It needs the plug-in hdrpipe-ocio.so, and takes some "
              "seconds.",
