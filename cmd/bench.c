@@ -2,6 +2,7 @@
  * compared with that of the most exact way. */
 #include "bench.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -26,11 +27,6 @@ typedef struct measuring {
     timing timing[BENCH_WAYS];
 } measuring;
 
-static hdr_status out_of_memory(hdr_error *error) {
-    snprintf(error->message, sizeof error->message, "out of memory");
-    return error->status = HDR_INTERNAL;
-}
-
 static double milliseconds(void) {
     struct timespec now = {0};
     clock_gettime(CLOCK_MONOTONIC, &now);
@@ -47,16 +43,21 @@ typedef enum chain_end {
     END_CODES    /* with numbers that are quantised as a png would be */
 } chain_end;
 
-static hdr_status add_end(const measuring *m, hdr_chain *chain, chain_end end, hdr_error *error) {
-    static const char *const png[] = {"png"}, *const srgb[] = {"srgb"}, *const pfm[] = {"pfm"},
-                             *const quantise[] = {"quantise", "--bits", "8"};
+/* way: whose words no clause has got yet, or NULL. */
+static hdr_status add_end(const measuring *m, hdr_chain *chain, chain_end end, const bench_way *way, hdr_error *error) {
+    static const char *const png[] = {"png"}, *const srgb[] = {"srgb"}, *const quantise[] = {"quantise", "--bits", "8"};
+    const char *pfm[1 + BENCH_WORDS] = {"pfm"};
+    int words = way ? way->word_count : 0;
+    for (int i = 0; i < words; i++)
+        pfm[1 + i] = way->words[i];
     hdr_status status = HDR_OK;
     const hdr_verb_about *last = hdr_chain_last(chain);
     bool formatted = last && last->kind == HDR_FORMAT;
     if (end == END_FORMAT && !formatted) status = hdr_chain_add(chain, png, 1, error);
     if (end == END_CODES && m->encode) status = hdr_chain_add(chain, srgb, 1, error);
     if (end == END_CODES && status == HDR_OK) status = hdr_chain_add(chain, quantise, 3, error);
-    if ((end == END_CODES || end == END_FLOAT) && status == HDR_OK) status = hdr_chain_add(chain, pfm, 1, error);
+    if ((end == END_CODES || end == END_FLOAT) && status == HDR_OK)
+        status = hdr_chain_add(chain, pfm, 1 + words, error);
     return status;
 }
 
@@ -66,12 +67,14 @@ static hdr_chain *make_chain(const measuring *m, const bench_way *way, chain_end
     hdr_chain *chain = hdr_chain_new_like(m->chain, error);
     hdr_status status = chain ? HDR_OK : error->status;
     const hdr_verb_about *verb;
+    bool placed = false;
     for (int i = 1; status == HDR_OK && (verb = hdr_chain_clause(m->chain, i)) != NULL; i++) {
         if ((verb->kind == HDR_FORMAT && end != END_FORMAT) || (end == END_PART && i > varied)) break;
         bool here = way && i == (varied ? varied : 1);
+        placed |= here;
         status = hdr_chain_add_again(chain, m->chain, i, here ? way->words : NULL, here ? way->word_count : 0, error);
     }
-    if (status == HDR_OK) status = add_end(m, chain, end, error);
+    if (status == HDR_OK) status = add_end(m, chain, end, placed ? NULL : way, error);
     if (status == HDR_OK) return chain;
     hdr_chain_free(chain);
     return NULL;
@@ -104,8 +107,8 @@ static hdr_status look_at_scene(measuring *m, hdr_error *error) {
     if (!scene->values) {
         m->b.varied = 0;
     } else if (bench_choose_pixels(scene, m->samples, &m->pixels, error)) {
-        bool all = (int64_t)scene->width * scene->height <= m->pixels.random;
-        m->b.random = all ? 0 : m->pixels.random;
+        m->b.all = m->pixels.all;
+        m->b.random = m->pixels.random;
         m->b.extremes = m->pixels.count - m->pixels.random;
         memcpy(m->automatic, scene->method, sizeof m->automatic);
     }
@@ -115,8 +118,22 @@ static hdr_status look_at_scene(measuring *m, hdr_error *error) {
 
 /* ---- Errors ---- */
 
-static double times_as_many(const measuring *m) {
-    return (double)(bench_width(&m->b) * bench_height(&m->b)) / m->pixels.count;
+/* The time that a way takes for all pixels, from that for those to compare at. */
+static double time_of_all(const measuring *m, const bench_way *way, double time) {
+    double times_as_many = (double)(bench_width(&m->b) * bench_height(&m->b)) / m->pixels.count;
+    return way->fixed + fmax(0, time - way->fixed) * times_as_many;
+}
+
+/* What of a partial way's time is for the picture and not for its pixels: if it is f, and p for each pixel, n of them
+ * take f + n p, and a quarter as many f + n p / 4. */
+static hdr_status find_fixed_time(const measuring *m, bench_way *way, hdr_chain *part, double time, hdr_error *error) {
+    int count = (m->pixels.count + 3) / 4;
+    hdr_surround *seen = hdr_chain_surround(part, m->input, count, m->pixels.pixel, NULL, error);
+    if (!seen) return error->status;
+    double quarter = (double)count / m->pixels.count, fixed = (seen->milliseconds - quarter * time) / (1 - quarter);
+    if (quarter < 1) way->fixed = fmin(fmax(fixed, 0), seen->milliseconds);
+    hdr_surround_free(seen);
+    return HDR_OK;
 }
 
 /* What the way gives at the pixels to compare at. The first that is looked at is the exact one. */
@@ -130,14 +147,15 @@ static hdr_status look_at_way(measuring *m, bench_way *way, hdr_chain *part, hdr
     }
     if (m->exact) {
         bench_compare_values(seen->values, m->exact, &m->pixels, way);
-        way->own = seen->milliseconds * (seen->partial ? times_as_many(m) : 1);
-        way->estimated = way->own > m->b.limit;
         way->partial = seen->partial;
+        if (way->partial) find_fixed_time(m, way, part, seen->milliseconds, error);
+        way->own = way->partial ? time_of_all(m, way, seen->milliseconds) : seen->milliseconds;
+        way->estimated = way->own > m->b.limit;
         way->bound = seen->bound;
         way->automatic = strcmp(seen->method, m->automatic) == 0;
     }
     hdr_surround_free(seen);
-    return m->exact ? HDR_OK : out_of_memory(error);
+    return m->exact ? error->status : cmd_out_of_memory(error);
 }
 
 /* The same of a chain with nothing to vary: of the picture that it makes. */
@@ -201,7 +219,7 @@ static hdr_status prepare_way(measuring *m, bench_way *way, timing *t, bool *fit
     t->whole_time = calloc((size_t)m->b.repetitions, sizeof *t->whole_time);
     t->own_time = calloc((size_t)m->b.repetitions, sizeof *t->own_time);
     *fits = fault.status == HDR_OK;
-    if (!t->whole_time || !t->own_time) return out_of_memory(error);
+    if (!t->whole_time || !t->own_time) return cmd_out_of_memory(error);
     if (*fits && way->estimated && !way->partial) {
         /* it has been run, and that was long enough */
         t->own_time[way->repetitions++] = t->spent = way->own;
@@ -225,22 +243,43 @@ static bool takes_too_long(measuring *m, const bench_way *way) {
     return false;
 }
 
+static hdr_status add_prepared(measuring *m, const bench_way *way, hdr_error *error) {
+    bench *b = &m->b;
+    bool fits;
+    timing *t = &m->timing[b->count];
+    b->way[b->count] = *way;
+    hdr_status status = prepare_way(m, &b->way[b->count], t, &fits, error);
+    if (status != HDR_OK) return status;
+    if (fits)
+        b->count++;
+    else
+        free_timing(t);
+    return HDR_OK;
+}
+
+/* One way is what is done where no method is asked for: if none of the settings is, it is added; if several are, since
+ * there is nothing to do, none is marked. */
+static hdr_status mark_automatic(measuring *m, hdr_error *error) {
+    bench *b = &m->b;
+    int marked = 0;
+    for (int i = 0; i < b->count; i++)
+        marked += b->way[i].automatic;
+    for (int i = 0; i < b->count && marked > 1; i++)
+        b->way[i].automatic = false;
+    bench_way way = bench_automatic_way();
+    return marked == 0 && b->count < BENCH_WAYS ? add_prepared(m, &way, error) : HDR_OK;
+}
+
 static hdr_status prepare_ways(measuring *m, hdr_error *error) {
     bench *b = &m->b;
     int count = b->varied ? bench_ways_of(hdr_chain_clause(m->chain, b->varied), b->way) : bench_plain_ways(b->way);
     for (int i = 0; i < count; i++) {
-        bool fits;
-        timing *t = &m->timing[b->count];
-        if (takes_too_long(m, &b->way[i])) continue;
-        b->way[b->count] = b->way[i];
-        hdr_status status = prepare_way(m, &b->way[b->count], t, &fits, error);
+        bench_way way = b->way[i];
+        if (takes_too_long(m, &way)) continue;
+        hdr_status status = add_prepared(m, &way, error);
         if (status != HDR_OK) return status;
-        if (fits)
-            b->count++;
-        else
-            free_timing(t);
     }
-    return HDR_OK;
+    return b->varied ? mark_automatic(m, error) : HDR_OK;
 }
 
 /* ---- Times ---- */
@@ -255,10 +294,11 @@ static hdr_status run_whole(hdr_chain *chain, hdr_input *input, double *time, hd
 }
 
 /* Of all pixels; or of those to compare at, as if it were all. */
-static hdr_status run_part(const measuring *m, hdr_chain *chain, bool some, double *time, hdr_error *error) {
+static hdr_status run_part(const measuring *m, const bench_way *way, hdr_chain *chain, double *time, hdr_error *error) {
+    bool some = way->estimated;
     int count = some ? m->pixels.count : 0;
     hdr_surround *seen = hdr_chain_surround(chain, m->input, count, m->pixels.pixel, NULL, error);
-    if (seen) *time = seen->milliseconds * (some ? times_as_many(m) : 1);
+    if (seen) *time = some ? time_of_all(m, way, seen->milliseconds) : seen->milliseconds;
     hdr_surround_free(seen);
     return seen ? HDR_OK : error->status;
 }
@@ -267,7 +307,7 @@ static hdr_status run_way(measuring *m, bench_way *way, timing *t, hdr_error *er
     int at = way->repetitions;
     double started = milliseconds();
     hdr_status status = way->estimated ? HDR_OK : run_whole(t->whole, m->input, &t->whole_time[at], error);
-    if (status == HDR_OK && t->part) status = run_part(m, t->part, way->estimated, &t->own_time[at], error);
+    if (status == HDR_OK && t->part) status = run_part(m, way, t->part, &t->own_time[at], error);
     t->spent += milliseconds() - started;
     way->repetitions++;
     return status;
@@ -341,7 +381,7 @@ static hdr_status measure(measuring *m, hdr_error *error) {
 static hdr_status draw(const bench *b, hdr_output *plot, hdr_error *error) {
     size_t size = 0;
     char *text = bench_plot(b, &size);
-    hdr_status status = text ? hdr_output_fill(plot, text, size, error) : out_of_memory(error);
+    hdr_status status = text ? hdr_output_fill(plot, text, size, error) : cmd_out_of_memory(error);
     free(text);
     return status;
 }
@@ -353,13 +393,13 @@ static hdr_status measure_and_tell(measuring *m, hdr_error *error) {
     if (!name || plot) m->input = hdr_input_open(m->b.file, error);
     m->b.chain = m->input ? hdr_chain_text(m->chain, error) : NULL;
     hdr_status status = m->b.chain ? measure(m, error) : error->status;
-    if (status == HDR_OK && plot) status = draw(&m->b, plot, error);
     if (status == HDR_OK && hdr_chain_settings(m->chain)->json)
         bench_print_json(&m->b);
     else if (status == HDR_OK && hdr_chain_given(m->chain, 0, "csv"))
         bench_print_csv(&m->b);
     else if (status == HDR_OK)
         bench_print_table(&m->b);
+    if (status == HDR_OK && plot) status = draw(&m->b, plot, error);
     hdr_input_free(m->input);
     hdr_output_free(plot);
     return status;
@@ -393,7 +433,7 @@ static double option_number(const hdr_chain *chain, const char *name, double wor
 hdr_status cmd_bench(hdr_chain *chain, hdr_error *error) {
     hdr_status status = check(chain, error);
     measuring *m = status == HDR_OK ? calloc(1, sizeof *m) : NULL;
-    if (!m) return status == HDR_OK ? out_of_memory(error) : status;
+    if (!m) return status == HDR_OK ? cmd_out_of_memory(error) : status;
     const hdr_verb_about *last = hdr_chain_last(chain);
     const char *file = hdr_chain_files(chain)[0];
     m->chain = chain;

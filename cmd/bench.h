@@ -6,18 +6,19 @@
 
 /* ---- bench_ways.c: the ways in which a chain can be computed ---- */
 
-enum { BENCH_WAYS = 64 };
+enum { BENCH_WAYS = 64, BENCH_WORDS = 4 };
 
 /* One of them, and what came of it. Times are in milliseconds. */
 typedef struct bench_way {
-    const char *method;   /* "grid", "exact"; "fast", "reference" where nothing is varied */
-    const char *option;   /* what is set besides, "--cells"; or NULL */
-    const char *value;    /* "3x4"; or NULL */
-    const char *words[4]; /* all this as further options of a clause */
+    const char *method;             /* "grid", "exact"; "fast", "reference" where nothing is varied */
+    const char *option;             /* what is set besides, "--cells"; or NULL */
+    const char *value;              /* "3x4"; or NULL */
+    const char *words[BENCH_WORDS]; /* all this as further options of a clause */
     int word_count;
     bool automatic;    /* it is what is taken where no method is asked for */
     bool estimated;    /* its times are not measured, but inferred */
     bool partial;      /* it computes each pixel by itself, so that some can stand for all */
+    double fixed;      /* partial: what of its time does not grow with their number */
     int repetitions;   /* that were timed */
     double whole, own; /* medians; own is below 0 where nothing is varied */
     double max_error, rms_error;
@@ -39,6 +40,9 @@ hdr_status bench_check_given(const hdr_chain *chain, int clause, hdr_error *erro
 int bench_ways_of(const hdr_verb_about *verb, bench_way ways[BENCH_WAYS]);
 int bench_plain_ways(bench_way ways[BENCH_WAYS]);
 
+/* What is done where no method is asked for. */
+bench_way bench_automatic_way(void);
+
 /* ---- bench.c ---- */
 
 typedef struct bench {
@@ -51,7 +55,8 @@ typedef struct bench {
     int varied;         /* the clause; 0: the fast way is compared with the reference */
     const char *verb;   /* of that clause, or NULL; and what it computes around each pixel */
     const char *what, *unit;
-    int random, extremes; /* pixels that errors were taken at; 0: all */
+    int random, extremes; /* pixels that errors were taken at */
+    bool all;             /* those are all that are lit */
     bool codes;           /* they are compared: there is time for the exact method */
     bench_way way[BENCH_WAYS];
     int count;
@@ -75,11 +80,12 @@ static inline double bench_time(const bench_way *way) {
 
 /* ---- bench_error.c ---- */
 
-/* Pixels to compare at: as many random ones as samples, which come first, and up to as many local extremes of
- * luminance; or all, where there are no more than samples. False: out of memory. */
+/* Pixels to compare at, of those that are lit: as many random ones as samples, which come first, and up to as many
+ * local extremes of luminance; or all, where there are no more than samples. False: out of memory. */
 typedef struct bench_pixels {
     hdr_pixel *pixel;
     int count, random;
+    bool all; /* that are lit */
 } bench_pixels;
 bool bench_choose_pixels(const hdr_surround *scene, int samples, bench_pixels *pixels, hdr_error *error);
 

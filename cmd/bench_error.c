@@ -5,11 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void no_memory(hdr_error *error) {
-    snprintf(error->message, sizeof error->message, "out of memory");
-    error->status = HDR_INTERNAL;
-}
-
 /* ---- Pixels ---- */
 
 /* Steele, Lea and Flood, Fast Splittable Pseudorandom Number Generators, OOPSLA 2014: the same numbers in each run. */
@@ -20,18 +15,29 @@ static uint64_t next_random(uint64_t *state) {
     return z ^ z >> 31;
 }
 
-static void all_pixels(int width, int height, hdr_pixel *pixel) {
-    for (int y = 0; y < height; y++)
-        for (int x = 0; x < width; x++)
-            *pixel++ = (hdr_pixel){x, y};
+/* What is around a pixel that is not lit is of no use to anyone. */
+static bool is_lit(const hdr_surround *scene, hdr_pixel pixel) {
+    return scene->luminance[(size_t)pixel.y * (size_t)scene->width + (size_t)pixel.x] > 0;
 }
 
-static void random_pixels(int width, int height, int count, hdr_pixel *pixel) {
-    uint64_t state = 1;
-    for (int i = 0; i < count; i++) {
-        pixel[i].x = (int)(next_random(&state) % (uint64_t)width);
-        pixel[i].y = (int)(next_random(&state) % (uint64_t)height);
-    }
+/* These add pixels that are lit. */
+static void add_all_pixels(const hdr_surround *scene, bench_pixels *pixels) {
+    for (int y = 0; y < scene->height; y++)
+        for (int x = 0; x < scene->width; x++)
+            if (is_lit(scene, (hdr_pixel){x, y})) pixels->pixel[pixels->count++] = (hdr_pixel){x, y};
+}
+
+/* Each as likely as any other. Vitter, Random Sampling with a Reservoir, ACM TOMS 11(1), 1985, algorithm R. */
+static void add_random_pixels(const hdr_surround *scene, int count, bench_pixels *pixels) {
+    uint64_t state = 1, seen = 0;
+    for (int y = 0; y < scene->height; y++)
+        for (int x = 0; x < scene->width; x++) {
+            if (!is_lit(scene, (hdr_pixel){x, y})) continue;
+            uint64_t place = seen++ < (uint64_t)count ? seen - 1 : next_random(&state) % seen;
+            if (place < (uint64_t)count) pixels->pixel[place] = (hdr_pixel){x, y};
+        }
+    pixels->count = seen < (uint64_t)count ? (int)seen : count;
+    pixels->all = seen <= (uint64_t)count;
 }
 
 /* A pixel that is brighter, or darker, than all around it, and its ratio to the nearest of them. */
@@ -78,7 +84,7 @@ static int find_extremes(const hdr_surround *scene, int wanted, extreme *kept) {
     for (int y = 0; y < scene->height; y++)
         for (int x = 0; x < scene->width; x++) {
             double by = stands_out(scene, x, y, least);
-            if (!(by > 1)) continue;
+            if (!(by > 1) || !is_lit(scene, (hdr_pixel){x, y})) continue;
             kept[count++] = (extreme){by, {x, y}};
             if (count < 2 * wanted) continue;
             qsort(kept, (size_t)count, sizeof *kept, compare_extremes);
@@ -95,16 +101,16 @@ bool bench_choose_pixels(const hdr_surround *scene, int samples, bench_pixels *p
     pixels->pixel = calloc(all ? total : 2 * (size_t)samples, sizeof *pixels->pixel);
     if (!pixels->pixel || (!all && !kept)) {
         free(kept);
-        no_memory(error);
+        cmd_out_of_memory(error);
         return false;
     }
-    pixels->count = pixels->random = all ? (int)total : samples;
-    if (all) {
-        all_pixels(scene->width, scene->height, pixels->pixel);
-        return true;
-    }
-    random_pixels(scene->width, scene->height, samples, pixels->pixel);
-    int extremes = find_extremes(scene, samples, kept);
+    *pixels = (bench_pixels){.pixel = pixels->pixel, .all = all};
+    if (all)
+        add_all_pixels(scene, pixels);
+    else
+        add_random_pixels(scene, samples, pixels);
+    pixels->random = pixels->count;
+    int extremes = pixels->all ? 0 : find_extremes(scene, samples, kept);
     for (int i = 0; i < extremes; i++)
         pixels->pixel[pixels->count++] = kept[i].at;
     free(kept);
@@ -119,7 +125,7 @@ void bench_compare_values(const float *values, const float *exact, const bench_p
         if (i < pixels->random) squares += error * error;
     }
     way->max_error = largest;
-    way->rms_error = sqrt(squares / pixels->random);
+    way->rms_error = pixels->random ? sqrt(squares / pixels->random) : 0;
 }
 
 /* ---- Images ---- */

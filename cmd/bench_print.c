@@ -7,8 +7,9 @@
 void bench_describe_error(const bench *b, char *text, size_t size) {
     if (!b->varied)
         snprintf(text, size, "of components, relative to --reference");
-    else if (!b->random)
-        snprintf(text, size, "of %s, %s, against --method " bench_exact ", at all pixels", b->what, b->unit);
+    else if (b->all)
+        snprintf(text, size, "of %s, %s, against --method " bench_exact ", at all %d lit pixels", b->what, b->unit,
+                 b->random);
     else
         snprintf(text, size, "of %s, %s, against --method " bench_exact ", at %d random pixels and %d local extremes",
                  b->what, b->unit, b->random, b->extremes);

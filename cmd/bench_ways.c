@@ -92,6 +92,12 @@ int bench_ways_of(const hdr_verb_about *verb, bench_way ways[BENCH_WAYS]) {
     return count;
 }
 
+bench_way bench_automatic_way(void) {
+    bench_way way;
+    add_way(&way, 0, "auto", NULL, NULL);
+    return way;
+}
+
 int bench_plain_ways(bench_way ways[BENCH_WAYS]) {
     static const char *const names[] = {"reference", "fast"};
     for (int i = 0; i < 2; i++)

@@ -9,6 +9,9 @@
 /* Fills the error with words that make no command; HDR_USAGE. */
 hdr_status cmd_refuse(hdr_error *error, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+/* The same where memory is out; HDR_INTERNAL. */
+hdr_status cmd_out_of_memory(hdr_error *error);
+
 /* Prints an error on standard error, as "hdr: MESSAGE". */
 void cmd_report(const hdr_error *error);
 

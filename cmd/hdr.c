@@ -28,6 +28,11 @@ hdr_status cmd_refuse(hdr_error *error, const char *format, ...) {
     return HDR_USAGE;
 }
 
+hdr_status cmd_out_of_memory(hdr_error *error) {
+    snprintf(error->message, sizeof error->message, "out of memory");
+    return error->status = HDR_INTERNAL;
+}
+
 void cmd_report(const hdr_error *error) {
     fprintf(stderr, "hdr: %s\n", error->message);
 }

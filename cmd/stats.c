@@ -224,10 +224,7 @@ static hdr_status stats_of_files(hdr_chain *chain, int count, hdr_error *error) 
     s.kept = calloc((size_t)count, sizeof *s.kept);
     s.survey = hdr_survey_new(chain, error);
     hdr_status status = s.kept && s.survey ? run_survey(&s, error) : HDR_INTERNAL;
-    if (!s.kept && error->status == HDR_OK) {
-        snprintf(error->message, sizeof error->message, "out of memory");
-        error->status = HDR_INTERNAL;
-    }
+    if (!s.kept && error->status == HDR_OK) cmd_out_of_memory(error);
     hdr_survey_free(s.survey);
     for (int i = 0; s.kept && i < count; i++)
         hdr_input_free(s.kept[i]);

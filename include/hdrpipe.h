@@ -379,12 +379,12 @@ typedef struct hdr_surround {
     int width, height;      /* of the data window; 0 where values is NULL */
     const float *luminance; /* what it is computed from, of all pixels, row after row: Y, or what the verb takes for it;
                                0: not lit */
-    const float *values;    /* of all pixels, row after row; or of those that were asked for, in their order. NULL: the
-                               verb does without, for this picture and its options */
-    double milliseconds;    /* for the surround alone, without reading the picture and mapping it */
-    double bound;           /* no value is farther from the exact one, in the values' unit; below 0: none is stated */
-    bool partial;           /* nothing but the pixels that were asked for was computed, and timed */
-    char method[240];       /* how it was computed: what --explain tells */
+    const float *values; /* of all pixels, row after row; or of those that were asked for, in their order; of one that
+                            is not lit, any number. NULL: the verb does without, for this picture and its options */
+    double milliseconds; /* for the surround alone, without reading the picture and mapping it */
+    double bound;        /* no value is farther from the exact one, in the values' unit; below 0: none is stated */
+    bool partial;        /* nothing but the pixels that were asked for was computed, and timed */
+    char method[240];    /* how it was computed: what --explain tells */
 } hdr_surround;
 
 /* Computes the surround of the chain's last clause. count: 0 for all pixels; else those are asked for alone, which is

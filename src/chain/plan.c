@@ -160,6 +160,11 @@ static hdr_status provide_surround(planning *p, int number, const hdr_clause *cl
         with.luminance = p->luminance;
         if (!status) status = clause->verb->surround(step, &with, err);
     }
+    if (status) {
+        char prefix[100];
+        snprintf(prefix, sizeof prefix, "clause %d (%s)", number, clause->verb->about.name);
+        hdr_fail_in(err, prefix);
+    }
     if (look && !status) status = hdr_look_after(look, &with, hdr_milliseconds() - started, err);
     if (with.surround) run->surrounds[run->surround_count++] = with.surround;
     if (with.surround != p->luminance) hdr_plane_free(p->luminance);

@@ -24,6 +24,15 @@ static hdr_status open_threads(hdr_run *run, hdr_error *err) {
     return HDR_OK;
 }
 
+/* As many as can be of use: to decode blocks, and to compute what is around a picture's pixels, by rows. */
+static int useful_threads(const hdr_run *run) {
+    enum { ROWS = 16 };
+    int64_t pieces = run->source->blocks, rows = hdr_window_height(&run->source->picture.data);
+    for (int i = 0; i < run->chain->count; i++)
+        if (run->chain->clauses[i].verb->surround && rows / ROWS > pieces) pieces = rows / ROWS;
+    return run->settings.threads < pieces ? run->settings.threads : pieces > 1 ? (int)pieces : 1;
+}
+
 hdr_status hdr_run_open(hdr_run *run, const hdr_chain *chain, hdr_input *input, const hdr_listener *listener,
                         hdr_error *err) {
     *run = (hdr_run){.chain = chain, .settings = *hdr_chain_settings(chain), .listener = listener};
@@ -32,8 +41,7 @@ hdr_status hdr_run_open(hdr_run *run, const hdr_chain *chain, hdr_input *input, 
     hdr_reading reading = hdr_chain_reading(chain);
     run->source = hdr_source_open(input, &reading, err);
     if (!run->source) return err->status;
-    run->thread_count = run->settings.threads < run->source->blocks ? run->settings.threads : run->source->blocks;
-    if (run->thread_count < 1) run->thread_count = 1;
+    run->thread_count = useful_threads(run);
     run->pool = hdr_pool_new(run->thread_count, err);
     if (!run->pool) return err->status;
     hdr_status status = hdr_run_choose_alpha(run, err);

@@ -23,12 +23,17 @@ void hdr_strip_intensity(hdr_strip *strip, const double weights[3], const double
 
 /* ---- Surrounds ---- */
 
-/* S of the strip's pixels into strip->beside. What lies outside the data window has nothing around it but its like.
- */
-static void load_surround(hdr_strip *strip, const hdr_plane *plane) {
+/* S of a pixel outside the data window, which has nothing around it but its like. */
+static double surround_outside(const hdr_step *step, double y) {
+    return y > 0 ? step->local->alone(y) : 0;
+}
+
+/* S of the strip's pixels into strip->beside. */
+static void load_surround(hdr_strip *strip, const hdr_step *step) {
+    const hdr_plane *plane = step->surround;
     if (strip->row < 0) {
         for (size_t i = 0; i < strip->count; i++)
-            strip->beside[i] = strip->y[i] > 0 ? strip->y[i] : 0;
+            strip->beside[i] = surround_outside(step, strip->y[i]);
         return;
     }
     size_t at = (size_t)strip->row * plane->stride + (size_t)strip->x;
@@ -88,7 +93,7 @@ static void apply_rows(hdr_strip *strip, const hdr_step *step) {
             hdr_strip_intensity(strip, step->luminance, step->lit);
         else
             hdr_strip_luminance(strip, step->luminance);
-        load_surround(strip, step->surround);
+        load_surround(strip, step);
         memcpy(strip->ld, strip->y, strip->count * sizeof(double));
         step->local->rows(&step->constants, strip->ld, strip->beside, strip->count);
         colour_by_luminance(strip, step->saturation);
@@ -112,8 +117,9 @@ static void apply_rows(hdr_strip *strip, const hdr_step *step) {
 /* ---- Value by value: SPEC's formulas and nothing else ---- */
 
 /* S of the strip's pixel i, whose luminance is y. */
-static double surround_of(const hdr_strip *strip, size_t i, const hdr_plane *plane, double y) {
-    if (strip->row < 0) return y > 0 ? y : 0;
+static double surround_of(const hdr_strip *strip, size_t i, const hdr_step *step, double y) {
+    const hdr_plane *plane = step->surround;
+    if (strip->row < 0) return surround_outside(step, y);
     size_t at = (size_t)strip->row * plane->stride + (size_t)strip->x + i;
     return plane->wide ? plane->wide[at] : (double)plane->narrow[at];
 }
@@ -134,7 +140,7 @@ static void reference_pixel(const hdr_strip *strip, size_t i, const hdr_step *st
         const double *lit = step->lit;
         if (step->own_weights && !(r == g && g == b) && !(lit[0] * r + lit[1] * g + lit[2] * b > 0)) y = 0;
         double ld = step->form == HDR_FORM_LOCAL
-                        ? step->local->exact(&step->constants, y, surround_of(strip, i, step->surround, y))
+                        ? step->local->exact(&step->constants, y, surround_of(strip, i, step, y))
                         : step->curve->exact(&step->constants, y);
         for (int p = 0; p < planes; p++) {
             double c = *pixel[p];

@@ -27,4 +27,15 @@ static inline int hdr_mirrored(int64_t i, int size) {
     return (int)(i < size ? i : period - 1 - i);
 }
 
+/* ---- Masks: a bit for each pixel of a plane, rows beginning at whole bytes ---- */
+
+static inline size_t hdr_mask_row(int width) {
+    return ((size_t)width + 7) / 8;
+}
+
+/* Whether pixel x of a mask's row is in it. */
+static inline bool hdr_mask_has(const unsigned char *row, int x) {
+    return row[x / 8] >> x % 8 & 1;
+}
+
 #endif

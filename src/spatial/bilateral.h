@@ -15,6 +15,9 @@ typedef struct hdr_bilateral {
     double sigma_s, sigma_r; /* above 0 */
     double low, high;        /* of the plane: the least and the largest number */
     bool no_skip;            /* compute what cannot matter, too */
+    /* Pixels whose base is wanted, rows of hdr_mask_row; that of others may be anything, though they count in sums as
+     * any. NULL: all. */
+    const unsigned char *wanted;
 } hdr_bilateral;
 
 /* What was computed, for --explain. */
@@ -42,9 +45,15 @@ hdr_status hdr_bilateral_exact_at(const hdr_bilateral *filter, double reach, con
 hdr_status hdr_bilateral_grid(const hdr_bilateral *filter, double across, double deep, hdr_plane *plane, hdr_pool *pool,
                               hdr_bilateral_report *report, hdr_error *err);
 
-double hdr_grid_bound(const hdr_bilateral *filter, const hdr_plane *plane, double across, double deep);
+/* Nodes of such a grid, and what it takes, were all of it stored, without what each thread works in. */
+typedef struct hdr_grid_size {
+    double columns, rows, levels, bytes;
+} hdr_grid_size;
+hdr_grid_size hdr_grid_size_of(const hdr_bilateral *filter, const hdr_plane *plane, double across, double deep);
 
-/* A grid takes no more bytes than that. */
+double hdr_grid_bound(const hdr_bilateral *filter, double pixels, double across, double deep);
+
+/* No grid that is chosen takes more bytes than that. */
 #define HDR_GRID_BYTES 2e9
 
 /* By the paper's own fast algorithm, PiecewiseBilateral: between values of intensity at most sigma_r apart, for which
@@ -61,7 +70,7 @@ int hdr_piecewise_subsample(double sigma_s);
 
 /* The cheapest way to a tolerance, in the plane's unit, of grids of several sizes and of a sum that is cut where what
  * lies beyond does not matter; or of either kind, if only one may be taken. Where nothing keeps it, the most accurate.
- */
+ * across is 0 where only a grid may be taken, and none is small enough. */
 typedef struct hdr_bilateral_choice {
     bool grid;
     double across, deep; /* of the grid */

@@ -5,7 +5,7 @@
 #include <math.h>
 
 /* Coarser ones would do for the bound where crowds are small, but their usual error would be felt in codes. */
-enum { LEAST_ACROSS = 3, MOST_ACROSS = 8, LEAST_DEEP = 4, MOST_DEEP = 14 };
+enum { LEAST_ACROSS = 3, MOST_ACROSS = 16, LEAST_DEEP = 4, MOST_DEEP = 16 };
 
 static double fourth(double x) {
     return x * x * x * x;
@@ -15,14 +15,15 @@ static double fourth(double x) {
  * pull alike at D = sqrt(2 ln n), and there base moves by D / 4 for each part by which the crowd's weight is wrong.
  * Where pixels and nodes stand to each other makes that part up to (D / (2 pi deep))^4 times a few at each end, which
  * is cubic B-splines' error of interpolation, and D^5 / deep^4 in all; the same in space, where it pulls less. No two
- * pixels are farther apart than the range. The factors are those of a search for the worst among tens of thousands of
- * scenes (fireflies, crowds, islands and pixels between crowds; sigma_s up to 500 pixels, D = 5.3), which came to 0.4
- * to 0.8 of this: tests/laws/test_durand_bounds.c starts from what it found. */
-double hdr_grid_bound(const hdr_bilateral *filter, const hdr_plane *plane, double across, double deep) {
-    double crowd = fmin(6.283185307179586 * filter->sigma_s * filter->sigma_s, (double)plane->width * plane->height);
+ * pixels are farther apart than the range; but that part is no smaller where the whole range is, since the Gaussian's
+ * fourth derivative does not vanish at its middle: hence at least 2 there. The factors are those of a search for the
+ * worst among tens of thousands of scenes (fireflies, crowds, islands and pixels between crowds; sigma_s up to 500
+ * pixels, D = 5.3), which came to 0.4 to 0.8 of this: tests/laws/test_durand_bounds.c starts from what it found. */
+double hdr_grid_bound(const hdr_bilateral *filter, double pixels, double across, double deep) {
+    double crowd = fmin(6.283185307179586 * filter->sigma_s * filter->sigma_s, pixels);
     double d = sqrt(2 * hdr_log(fmax(crowd, 90)));
     double apart = fmin(d, (filter->high - filter->low) / filter->sigma_r);
-    return apart / 1440 * (fourth(apart / deep) + 0.15 * fourth(d / across)) * filter->sigma_r;
+    return apart / 1440 * (fourth(fmax(apart, 2) / deep) + 0.15 * fourth(d / across)) * filter->sigma_r;
 }
 
 /* Without subsampling the error is that of linear interpolation between the J_j, and largest where a pixel stands
@@ -53,18 +54,10 @@ int hdr_piecewise_subsample(double sigma_s) {
 }
 
 /* Nanoseconds on one core of a machine of 2020, roughly: only their proportions matter. */
-static double grid_cost(const hdr_bilateral *f, const hdr_plane *plane, double across, double deep) {
-    double columns = plane->width * across / f->sigma_s + 4, rows = plane->height * across / f->sigma_s + 4;
-    double levels = (f->high - f->low) * deep / f->sigma_r + 4;
+static double grid_cost(const hdr_plane *plane, const hdr_grid_size *size, double across, double deep) {
     double blur = 6.5 * (2 * across + deep);
-    return (double)plane->width * plane->height * 20 + plane->height * columns * levels * 1.5 +
-           columns * rows * levels * blur * 0.25;
-}
-
-/* Memory that nobody meant to spend: sigmas that are too small for a grid. */
-static bool is_too_large(const hdr_bilateral *f, const hdr_plane *plane, double across, double deep) {
-    double columns = plane->width * across / f->sigma_s + 4, rows = plane->height * across / f->sigma_s + 4;
-    return columns * rows * ((f->high - f->low) * deep / f->sigma_r + 4) * 8 > HDR_GRID_BYTES;
+    return (double)plane->width * plane->height * 20 + plane->height * size->columns * size->levels * 1.5 +
+           size->columns * size->rows * size->levels * blur * 0.25;
 }
 
 static double direct_cost(const hdr_bilateral *f, const hdr_plane *plane, double reach) {
@@ -87,8 +80,10 @@ static hdr_bilateral_choice choose_grid(const hdr_bilateral *filter, const hdr_p
     *cost = INFINITY;
     for (int across = LEAST_ACROSS; across <= MOST_ACROSS; across++)
         for (int deep = LEAST_DEEP; deep <= MOST_DEEP; deep++) {
-            if (is_too_large(filter, plane, across, deep)) continue;
-            double bound = hdr_grid_bound(filter, plane, across, deep), own = grid_cost(filter, plane, across, deep);
+            hdr_grid_size size = hdr_grid_size_of(filter, plane, across, deep);
+            if (size.bytes > HDR_GRID_BYTES) continue; /* memory that nobody meant to spend */
+            double bound = hdr_grid_bound(filter, (double)plane->width * plane->height, across, deep);
+            double own = grid_cost(plane, &size, across, deep);
             bool better = bound <= tolerance ? best.bound > tolerance || own < *cost : bound < best.bound;
             if (!better) continue;
             best = (hdr_bilateral_choice){true, across, deep, 0, bound};
@@ -107,7 +102,7 @@ hdr_bilateral_choice hdr_bilateral_choose(const hdr_bilateral *filter, const hdr
     direct.bound = direct_bound(filter, direct.reach);
     double cost;
     hdr_bilateral_choice grid = choose_grid(filter, plane, tolerance, &cost);
-    if (only_direct || grid.across == 0) return direct;
     if (only_grid) return grid;
+    if (only_direct || grid.across == 0) return direct;
     return grid.bound <= tolerance && cost < direct_cost(filter, plane, direct.reach) ? grid : direct;
 }

@@ -66,7 +66,10 @@ static double exact_at(const exact *e, int x, int y) {
 static hdr_status exact_row(void *context, int y, int thread, hdr_error *err) {
     (void)thread, (void)err;
     const exact *e = context;
+    const unsigned char *wanted = e->filter->wanted;
+    if (wanted) wanted += (size_t)y * hdr_mask_row(e->width);
     for (int x = 0; x < e->width; x++) {
+        if (wanted && !hdr_mask_has(wanted, x)) continue;
         double value = exact_at(e, x, y);
         size_t at = (size_t)y * e->base->stride + (size_t)x;
         if (e->base->wide)

@@ -11,7 +11,7 @@
  * crowd, seen from far away in range, has to be nothing beside it. */
 #define REACH_DEVIATIONS 7.5
 
-enum { BAND = 32, STRIP = 16 * HDR_PIECE };
+enum { BAND = 32, STRIP = 16 * HDR_PIECE, SPAN_UNIT = 16 };
 
 /* A Gaussian between nodes. */
 typedef struct blur {
@@ -19,8 +19,20 @@ typedef struct blur {
     float *weight;
 } blur;
 
+/* Floats of a slab, from one of SPAN_UNIT on, whole units of them. */
+typedef struct span {
+    size_t first, count;
+} span;
+
+/* Levels, as they are stored. */
+typedef struct extent {
+    int low, end;
+} extent;
+
 typedef struct worker {
     float *slab;     /* a row of columns */
+    span *spans;     /* of the slab, in order, that the row's pixels reach */
+    extent *extents; /* of the pixels whose nodes begin at each column */
     float *rows;     /* sowing: four rows of the grid */
     float *margined; /* blurring: what is blurred, with zeros around it */
     float *blurred;
@@ -82,6 +94,51 @@ static void store_levels(grid *g) {
     }
 }
 
+/* ---- What a row of pixels reaches ---- */
+
+/* Levels of the pixels whose nodes begin at each column. */
+static void find_extents(const grid *g, const worker *w) {
+    for (int c = 0; c < g->columns; c++)
+        w->extents[c] = (extent){g->stored, 0};
+    for (int x = 0; x < g->plane->width;) {
+        int c = g->column[x].first, low = g->stored, end = 0;
+        for (; x < g->plane->width && g->column[x].first == c; x++) {
+            int level = g->level[w->deep[x].first];
+            low = level < low ? level : low;
+            end = level + 4 > end ? level + 4 : end;
+        }
+        w->extents[c] = (extent){low, end};
+    }
+}
+
+/* The spans of a slab that hold what the row's pixels sow and read: a picture's neighbours are alike, so that most
+ * levels of a column are nobody's. w->deep is the row's. How many there are. */
+static int find_spans(const grid *g, const worker *w) {
+    int count = 0;
+    if (g->filter->no_skip) {
+        w->spans[0] = (span){0, g->row_size};
+        return 1;
+    }
+    find_extents(g, w);
+    size_t behind = 0;
+    for (int c = 0; c < g->columns; c++) {
+        extent all = {g->stored, 0};
+        for (int from = c < 4 ? 0 : c - 3; from <= c; from++) {
+            if (w->extents[from].low < all.low) all.low = w->extents[from].low;
+            if (w->extents[from].end > all.end) all.end = w->extents[from].end;
+        }
+        if (all.end == 0) continue;
+        size_t first = ((size_t)c * g->stride + 2 * (size_t)all.low) / SPAN_UNIT * SPAN_UNIT;
+        size_t end = ((size_t)c * g->stride + 2 * (size_t)all.end + SPAN_UNIT - 1) / SPAN_UNIT * SPAN_UNIT;
+        if (count > 0 && first <= behind)
+            w->spans[count - 1].count = end - w->spans[count - 1].first;
+        else
+            w->spans[count++] = (span){first, end - first};
+        behind = end;
+    }
+    return count;
+}
+
 /* ---- Sowing ---- */
 
 /* The nodes of rows that an image's rows are sown into. */
@@ -89,23 +146,36 @@ static int first_node(const grid *g, int y) {
     return (int)(y / g->across);
 }
 
+/* A row's pixels into the slab. How many spans of it they reach. */
+static int sow_row(const grid *g, worker *w, const float *numbers) {
+    size_t width = (size_t)g->plane->width;
+    hdr_splines_of(numbers, g->filter->low, g->deep, w->deep, width);
+    int spans = find_spans(g, w);
+    for (int s = 0; s < spans; s++)
+        memset(w->slab + w->spans[s].first, 0, w->spans[s].count * sizeof *w->slab);
+    hdr_grid_sow(numbers, g->middle, g->column, w->deep, g->level, width, w->slab, g->stride);
+    return spans;
+}
+
 /* Each band into rows of its own, which are added to the grid's in the order of the bands. */
 static hdr_status sow_band(void *context, int band, int thread, hdr_error *err) {
     (void)err;
     grid *g = context;
     worker *w = &g->workers[thread];
-    int top = band * BAND, end = top + rows_of(g, band), width = g->plane->width;
+    int top = band * BAND, end = top + rows_of(g, band), width = g->plane->width, spans = 0;
     int first = first_node(g, top), nodes = first_node(g, end - 1) + 4 - first;
     memset(w->rows, 0, (size_t)nodes * g->row_size * sizeof *w->rows);
     for (int y = top; y < end; y++) {
+        bool again = y > top && !memcmp(row_of(g, y), row_of(g, y - 1), (size_t)width * sizeof(float));
+        if (!again || g->filter->no_skip) spans = sow_row(g, w, row_of(g, y)); /* a margin is sown once */
         hdr_spline row = hdr_spline_at(y / g->across);
-        float *into[4];
-        for (int k = 0; k < 4; k++)
-            into[k] = w->rows + (size_t)(row.first - first + k) * g->row_size;
-        memset(w->slab, 0, g->row_size * sizeof *w->slab);
-        hdr_splines_of(row_of(g, y), g->filter->low, g->deep, w->deep, (size_t)width);
-        hdr_grid_sow(row_of(g, y), g->middle, g->column, w->deep, g->level, (size_t)width, w->slab, g->stride);
-        hdr_grid_spread(w->slab, row.weight, into, g->row_size);
+        float *rows = w->rows + (size_t)(row.first - first) * g->row_size;
+        for (int s = 0; s < spans; s++) {
+            float *into[4];
+            for (size_t k = 0; k < 4; k++)
+                into[k] = rows + k * g->row_size + w->spans[s].first;
+            hdr_grid_spread(w->slab + w->spans[s].first, row.weight, into, w->spans[s].count);
+        }
     }
     if (!hdr_pool_enter(g->pool, band)) return HDR_OK;
     float *cells = g->cells + (size_t)first * g->row_size;
@@ -204,18 +274,32 @@ static hdr_status blur_strip(void *context, int strip, int thread, hdr_error *er
 
 /* ---- Reading ---- */
 
+/* Whether the base of some pixel of a row is wanted. */
+static bool is_wanted(const grid *g, int y) {
+    const unsigned char *wanted = g->filter->wanted;
+    size_t bytes = hdr_mask_row(g->plane->width), i = 0;
+    if (!wanted) return true;
+    while (i < bytes && !wanted[(size_t)y * bytes + i])
+        i++;
+    return i < bytes;
+}
+
 static hdr_status read_band(void *context, int band, int thread, hdr_error *err) {
     (void)err;
     grid *g = context;
     const worker *w = &g->workers[thread];
     int width = g->plane->width;
     for (int y = band * BAND; y < band * BAND + rows_of(g, band); y++) {
-        hdr_spline row = hdr_spline_at(y / g->across);
-        const float *from[4];
-        for (int k = 0; k < 4; k++)
-            from[k] = g->cells + (size_t)(row.first + k) * g->row_size;
-        hdr_grid_gather(from, row.weight, w->slab, g->row_size);
+        if (!is_wanted(g, y)) continue;
         hdr_splines_of(row_of(g, y), g->filter->low, g->deep, w->deep, (size_t)width);
+        hdr_spline row = hdr_spline_at(y / g->across);
+        const float *rows = g->cells + (size_t)row.first * g->row_size;
+        for (int s = find_spans(g, w) - 1; s >= 0; s--) {
+            const float *from[4];
+            for (size_t k = 0; k < 4; k++)
+                from[k] = rows + k * g->row_size + w->spans[s].first;
+            hdr_grid_gather(from, row.weight, w->slab + w->spans[s].first, w->spans[s].count);
+        }
         hdr_grid_read(g->middle, g->column, w->deep, g->level, (size_t)width, w->slab, g->stride, row_of(g, y));
     }
     return HDR_OK;
@@ -237,12 +321,15 @@ static bool make_workers(grid *g) {
     for (int t = 0; g->workers && t < g->threads; t++) {
         worker *w = &g->workers[t];
         w->slab = hdr_alloc(g->row_size, sizeof *w->slab);
+        w->spans = hdr_alloc((size_t)g->columns, sizeof *w->spans);
+        w->extents = hdr_alloc((size_t)g->columns, sizeof *w->extents);
         w->rows = hdr_alloc(band_rows, g->row_size * sizeof *w->rows);
         w->margined = hdr_alloc(margined, sizeof *w->margined);
         w->blurred = hdr_alloc(2 * (size_t)g->levels + HDR_PIECE, sizeof *w->blurred);
         w->row = hdr_alloc(2 * (size_t)reach + 1, sizeof *w->row);
         w->deep = hdr_alloc((size_t)g->plane->width, sizeof *w->deep);
-        if (!w->slab || !w->rows || !w->margined || !w->blurred || !w->row || !w->deep) return false;
+        if (!w->slab || !w->spans || !w->extents || !w->rows || !w->margined || !w->blurred || !w->row || !w->deep)
+            return false;
     }
     return g->workers != NULL;
 }
@@ -257,7 +344,6 @@ static bool lay_out(grid *g) {
     g->stride = 2 * (size_t)g->stored;
     g->row_size = ((size_t)g->columns * g->stride + HDR_PIECE - 1) / HDR_PIECE * HDR_PIECE;
     g->cells_size = (size_t)g->rows * g->row_size * sizeof *g->cells;
-    if (g->cells_size > hdr_memory_default()) return false; /* more than it may be, whatever the system promises */
     g->cells = hdr_alloc_pages(g->cells_size);
     if (g->cells) memset(g->cells, 0, g->cells_size);
     double flat = g->filter->sigma_s / g->across, range = g->filter->sigma_r / g->deep;
@@ -268,6 +354,8 @@ static void free_grid(grid *g) {
     for (int t = 0; g->workers && t < g->threads; t++) {
         worker *w = &g->workers[t];
         free(w->slab);
+        free(w->spans);
+        free(w->extents);
         free(w->rows);
         free(w->margined);
         free(w->blurred);
@@ -283,6 +371,23 @@ static void free_grid(grid *g) {
     free(g->seen);
 }
 
+hdr_grid_size hdr_grid_size_of(const hdr_bilateral *filter, const hdr_plane *plane, double across, double deep) {
+    hdr_grid_size size = {.columns = floor((plane->width - 1) * across / filter->sigma_s) + 4,
+                          .rows = floor((plane->height - 1) * across / filter->sigma_s) + 4,
+                          .levels = floor((filter->high - filter->low) * deep / filter->sigma_r) + 4};
+    size.bytes = size.columns * size.rows * size.levels * 2 * sizeof(float);
+    return size;
+}
+
+/* Bytes beyond this machine's, or numbers beyond those of an index. Besides the grid each thread has some of its rows.
+ */
+static bool is_too_large(const hdr_grid_size *size, double across, int threads) {
+    double band = BAND / across + 7; /* rows of the grid that a band is sown into, a slab, and one with a margin */
+    double most = size->columns > size->rows ? size->columns : size->rows;
+    return size->bytes * (1 + threads * band / size->rows) > (double)hdr_memory_default() || most > INT32_MAX / 4 ||
+           size->levels > INT32_MAX / 4;
+}
+
 hdr_status hdr_bilateral_grid(const hdr_bilateral *filter, double across, double deep, hdr_plane *plane, hdr_pool *pool,
                               hdr_bilateral_report *report, hdr_error *err) {
     grid g = {.filter = filter,
@@ -293,6 +398,10 @@ hdr_status hdr_bilateral_grid(const hdr_bilateral *filter, double across, double
               .middle = (float)((filter->low + filter->high) / 2),
               .threads = hdr_pool_threads(pool)};
     int bands = (plane->height + BAND - 1) / BAND;
+    hdr_grid_size size = hdr_grid_size_of(filter, plane, across, deep);
+    if (is_too_large(&size, g.across, g.threads))
+        return hdr_fail(err, HDR_INTERNAL, "out of memory: a grid of %.0f x %.0f x %.0f", size.columns, size.rows,
+                        size.levels);
     g.levels = (int)((filter->high - filter->low) / g.deep) + 4;
     g.level = hdr_alloc((size_t)g.levels, sizeof *g.level);
     g.seen = hdr_alloc((size_t)g.threads, (size_t)g.levels);

@@ -31,20 +31,26 @@ static double number_of_key(const hdr_plane *plane, uint64_t key) {
     return hdr_real_from_bits(key >> 63 ? key & ~((uint64_t)1 << 63) : ~key);
 }
 
+/* Of which all numbers share the first table. */
+static bool is_first_digit(const search *s) {
+    return s->shift + DIGIT == (s->plane->wide ? 64 : 32);
+}
+
 static hdr_status count_band(void *context, int band, int thread, hdr_error *err) {
     (void)err;
     const search *s = context;
     const hdr_plane *plane = s->plane;
     uint64_t *tables = s->tables + (size_t)thread * (size_t)s->count * BUCKETS;
     int end = (band + 1) * BAND < plane->height ? (band + 1) * BAND : plane->height;
-    bool first = s->shift + DIGIT == (plane->wide ? 64 : 32);
+    bool first = is_first_digit(s);
     for (int y = band * BAND; y < end; y++) {
         const unsigned char *mask = s->mask + (size_t)y * hdr_mask_row(plane->width);
         for (int x = 0; x < plane->width; x++) {
-            if (!(mask[x / 8] >> x % 8 & 1)) continue;
+            if (!hdr_mask_has(mask, x)) continue;
             uint64_t key = key_at(plane, (size_t)y * plane->stride + (size_t)x) >> s->shift;
-            for (int i = 0; i < s->count; i++)
-                if (first || key >> DIGIT == s->prefix[i]) tables[(size_t)i * BUCKETS + (key & (BUCKETS - 1))]++;
+            if (first) tables[key]++;
+            for (int i = 0; !first && i < s->count; i++)
+                if (key >> DIGIT == s->prefix[i]) tables[(size_t)i * BUCKETS + (key & (BUCKETS - 1))]++;
         }
     }
     return HDR_OK;
@@ -53,10 +59,11 @@ static hdr_status count_band(void *context, int band, int thread, hdr_error *err
 /* The digit in which a rank lies, which becomes the rank among the keys that have it. */
 static uint64_t digit_of_rank(const search *s, int threads, int i, uint64_t *rank) {
     uint64_t below = 0;
+    size_t table = is_first_digit(s) ? 0 : (size_t)i;
     for (uint64_t digit = 0; digit < BUCKETS; digit++) {
         uint64_t here = 0;
         for (int t = 0; t < threads; t++)
-            here += s->tables[((size_t)t * (size_t)s->count + (size_t)i) * BUCKETS + digit];
+            here += s->tables[((size_t)t * (size_t)s->count + table) * BUCKETS + digit];
         if (below + here >= *rank) {
             *rank -= below;
             return digit;

@@ -5,11 +5,6 @@
 #include "base/pool.h"
 #include "picture/plane.h"
 
-/* One bit for each pixel of a row, rows beginning at whole bytes: which numbers count. */
-static inline size_t hdr_mask_row(int width) {
-    return ((size_t)width + 7) / 8;
-}
-
 /* values[i] = the number of rank rank[i], from 1, among those of the plane that the mask counts, of which there are as
  * many as the largest rank asks for. Exact, of both types of plane. */
 hdr_status hdr_plane_ranks(const hdr_plane *plane, const unsigned char *mask, int count, const uint64_t *rank,

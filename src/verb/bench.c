@@ -77,7 +77,7 @@ const hdr_verb hdr_verb_bench = {
                          "at the local extremes of luminance that stand out most, such as fireflies; at all "
                          "pixels if the picture has no more than --samples. The bound is what the method "
                          "promises for every picture. The way that --method auto takes is marked by an "
-                         "asterisk.\n\n"
+                         "asterisk; where no setting that is tried is that way, it is added.\n\n"
                          "Of any other chain, the program's fast way is compared with --reference, in double "
                          "precision. The error is that of the components, relative to those of the reference.\n\n"
                          "Times are in milliseconds, by the clock on the wall: whole, from the file to the "

@@ -149,13 +149,30 @@ static bool read_cells(const char *text, double *across, double *deep) {
     return behind && read_cell(behind + 1, '\0', deep);
 }
 
-/* Cells belong to the grid, and stand for a tolerance. */
+/* Options that only some methods have. */
+static const struct belongs {
+    const char *option;
+    unsigned methods; /* a bit for each */
+} belongings[] = {{"tolerance", 1u << METHOD_AUTO | 1u << METHOD_GRID | 1u << METHOD_DIRECT},
+                  {"cells", 1u << METHOD_GRID},
+                  {"subsample", 1u << METHOD_PIECEWISE}};
+
+static hdr_status check_belongings(const durand_params *p, const hdr_options *given, hdr_error *err) {
+    for (int i = 0; i < given->count; i++)
+        for (size_t b = 0; b < sizeof belongings / sizeof *belongings; b++)
+            if (!strcmp(given->given[i].option->name, belongings[b].option) &&
+                !(belongings[b].methods >> p->method & 1))
+                return hdr_fail(err, HDR_USAGE, "--%s has no meaning with --method %s", belongings[b].option,
+                                methods[p->method]);
+    return HDR_OK;
+}
+
+/* Cells stand for a tolerance. */
 static hdr_status check_cells(const durand_params *p, const hdr_options *given, hdr_error *err) {
     double across, deep;
     if (!strcmp(p->cells, "auto")) return HDR_OK;
     if (!read_cells(p->cells, &across, &deep))
         return hdr_refuse_text(options, "cells", p->cells, "is neither AxD with numbers from 2 to 16, nor auto", err);
-    if (p->method != METHOD_GRID) return hdr_fail(err, HDR_USAGE, "--cells has no meaning without --method grid");
     for (int i = 0; i < given->count; i++)
         if (!strcmp(given->given[i].option->name, "tolerance"))
             return hdr_fail(err, HDR_USAGE, "--tolerance has no meaning with --cells %.100s", p->cells);
@@ -164,9 +181,7 @@ static hdr_status check_cells(const durand_params *p, const hdr_options *given, 
 
 static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
     const durand_params *p = params;
-    for (int i = 0; i < given->count; i++)
-        if (!strcmp(given->given[i].option->name, "subsample") && p->method != METHOD_PIECEWISE)
-            return hdr_fail(err, HDR_USAGE, "--subsample has no meaning with --method %s", methods[p->method]);
+    if (check_belongings(p, given, err) != HDR_OK) return HDR_USAGE;
     if (sigma_in_pixels(p->sigma_s, 1000) == 0)
         return hdr_refuse_text(options, "sigma-s", p->sigma_s,
                                "is neither a fraction (1e-06 to 10) nor pixels (0.1px to 1000000px)", err);
@@ -185,20 +200,25 @@ static void needs(const void *params, hdr_request *request) {
 
 /* ---- The curves ---- */
 
+/* The filter leaves what is alike everywhere as it is. */
+static double durand_alone(double intensity) {
+    return hdr_log10(intensity);
+}
+
 /* Ld = 10^(c (base - hi) + (i - base)), i = log10 I; c = v[0], hi = v[1]. */
 HDR_INLINE double durand_picture_of(const hdr_constants *k, double intensity, double base) {
     double i = hdr_log10(intensity > 0 ? intensity : 1);
     double ld = hdr_exp2((k->v[0] * (base - k->v[1]) + (i - base)) * HDR_LOG2_10);
     return intensity > 0 ? ld : 0;
 }
-HDR_LOCAL_CURVE(durand_picture)
+HDR_LOCAL_CURVE(durand_picture, durand_alone)
 
 /* The layers: Ld = 10^(base - hi), and Ld = 0.18 10^(i - base). */
 HDR_INLINE double durand_base_of(const hdr_constants *k, double intensity, double base) {
     double ld = hdr_exp2((base - k->v[1]) * HDR_LOG2_10);
     return intensity > 0 ? ld : 0;
 }
-HDR_LOCAL_CURVE(durand_base)
+HDR_LOCAL_CURVE(durand_base, durand_alone)
 
 HDR_INLINE double durand_detail_of(const hdr_constants *k, double intensity, double base) {
     (void)k;
@@ -206,7 +226,7 @@ HDR_INLINE double durand_detail_of(const hdr_constants *k, double intensity, dou
     double ld = 0.18 * hdr_exp2((i - base) * HDR_LOG2_10);
     return intensity > 0 ? ld : 0;
 }
-HDR_LOCAL_CURVE(durand_detail)
+HDR_LOCAL_CURVE(durand_detail, durand_alone)
 
 /* A picture with nothing lit becomes 0. */
 HDR_INLINE double durand_dark_of(const hdr_constants *k, double y) {
@@ -311,6 +331,11 @@ static hdr_status sum_directly(const hdr_bilateral *bilateral, double reach, hdr
     return status;
 }
 
+/* What rounding may add in a plane of floats: sums of N and W, their quotient, and the base itself. */
+static double float_error(const hdr_bilateral *bilateral, const hdr_plane *plane) {
+    return plane->narrow ? 0x1p-22 * fmax(fabs(bilateral->low), fabs(bilateral->high)) : 0;
+}
+
 /* What is done with a plane of logarithms. */
 static hdr_status filter(const durand_params *p, const hdr_bilateral *bilateral, hdr_surroundings *with,
                          hdr_plane *plane, hdr_error *err) {
@@ -323,20 +348,22 @@ static hdr_status filter(const durand_params *p, const hdr_bilateral *bilateral,
     hdr_bilateral_choice choice = {.grid = true};
     hdr_bilateral_report report = {0};
     if (read_cells(p->cells, &choice.across, &choice.deep))
-        choice.bound = hdr_grid_bound(bilateral, plane, choice.across, choice.deep);
+        choice.bound = hdr_grid_bound(bilateral, (double)plane->width * plane->height, choice.across, choice.deep);
     else
         choice = hdr_bilateral_choose(bilateral, plane, p->tolerance.value, p->method == METHOD_GRID,
                                       p->method == METHOD_DIRECT);
-    with->bound = choice.bound;
+    if (choice.grid && choice.across == 0)
+        return hdr_fail(err, HDR_USAGE, "a grid for these sigmas would be too large: --method direct, or auto");
+    with->bound = choice.bound + float_error(bilateral, plane);
     if (choice.grid) {
         hdr_status status = hdr_bilateral_grid(bilateral, choice.across, choice.deep, plane, with->pool, &report, err);
         snprintf(with->note, sizeof with->note,
                  "grid of sigma_s / %g and sigma_r / %g, within %.2g: %llu of %llu cells", choice.across, choice.deep,
-                 choice.bound, (unsigned long long)report.used, (unsigned long long)report.cells);
+                 with->bound, (unsigned long long)report.used, (unsigned long long)report.cells);
         return status;
     }
     snprintf(with->note, sizeof with->note, "direct sum, %.3g standard deviations wide, within %.2g", choice.reach,
-             choice.bound);
+             with->bound);
     return sum_directly(bilateral, choice.reach, with, plane, err);
 }
 
@@ -374,7 +401,8 @@ static hdr_status surround(hdr_step *step, hdr_surroundings *with, hdr_error *er
     if (status == HDR_OK) status = hdr_pool_run(with->pool, height, take_logarithms, &l, err);
     hdr_bilateral bilateral = {.sigma_s = sigma_in_pixels(p->sigma_s, width > height ? width : height),
                                .sigma_r = p->sigma_r.value,
-                               .no_skip = with->no_skip};
+                               .no_skip = with->no_skip,
+                               .wanted = with->no_skip ? NULL : l.mask};
     if (status == HDR_OK) status = hdr_plane_range(with->surround, &bilateral.low, &bilateral.high, with->pool, err);
     if (status == HDR_OK && bilateral.high == bilateral.low && !with->no_skip) {
         snprintf(with->note, sizeof with->note, "one intensity everywhere: the base is what it is");
@@ -425,27 +453,30 @@ static hdr_status surround(hdr_step *step, hdr_surroundings *with, hdr_error *er
     "interiors and the view from their windows visible together; 20 to 50 keep more of the light's drama; c = 1 "      \
     "leaves the "                                                                                                      \
     "picture as it is but for the exposure.\n\n"                                                                       \
-    "Methods. auto takes the cheapest whose stated error is within --tolerance, everywhere in the picture, whatever "  \
-    "the "                                                                                                             \
-    "scene: of bilateral grids of several cell sizes (Chen, Paris and Durand 2007; here with cubic splines, whose "    \
-    "own blur is "                                                                                                     \
-    "taken off the grid's), and of the direct sum cut where what lies beyond cannot matter, for a sigma-s of a pixel " \
-    "or two. "                                                                                                         \
-    "grid and direct hold it to one kind. exact is the sum itself, in double: some seconds for a megapixel. 0.001 is " \
-    "a "                                                                                                               \
-    "quarter of a percent in intensity, about half a code of 8 bits at its worst, usually a hundredth. --explain "     \
-    "tells what "                                                                                                      \
-    "was chosen, and why.\n\n"                                                                                         \
+    "Methods. auto takes the cheapest whose stated error is within --tolerance: of bilateral grids of many cell "      \
+    "sizes (Chen, Paris and Durand 2007; here with cubic splines, whose own blur is taken off the grid's), and of "    \
+    "the direct sum cut where what lies beyond cannot matter, for a sigma-s of a pixel or two. grid and direct hold "  \
+    "it to one kind. What a grid states follows from how splines interpolate and from the crowd that a single pixel "  \
+    "may face; its factors are those of a search for the worst among tens of thousands of scenes. 0.001 is a quarter " \
+    "of a percent in intensity, about half a code of 8 bits at its worst, usually a hundredth; below 1e-5 the time "   \
+    "grows to seconds and more. --explain tells what was chosen, and its bound.\n\n"                                   \
+    "exact is the sum itself, in double: a minute or two for a megapixel, and 16 times as much for four. piecewise "   \
+    "is the fast algorithm of the paper, which computes the filter for a few intensities and interpolates between "    \
+    "them. With --subsample, which it takes by itself, it is the fastest and states no bound: a pixel that is not "    \
+    "sampled, a firefly's neighbour, may be off by decades.\n\n"                                                       \
     "--show base and --show detail give the layers as pictures: 10^(base - hi), and 0.18 x 10^(i - base)."
 
 /* A base that is wrong by E makes Ld wrong by (1 - c) E, and where hi and lo are by c E more, in powers of ten. A grid
- * that is asked for is the finest where none keeps the tolerance. */
+ * that is asked for is that of --cells, or the finest where none keeps the tolerance. */
 static double bound(const void *params) {
     const durand_params *p = params;
     if (p->method == METHOD_PIECEWISE) return INFINITY; /* it may miss what is not sampled */
-    double finest = 1e-3 * p->sigma_r.value;            /* of the largest pictures */
     double base = p->method == METHOD_EXACT ? 0 : p->tolerance.value > 1e-5 ? p->tolerance.value : 1e-5; /* in float */
-    if (p->method == METHOD_GRID && finest > base) base = finest;
+    double across = 16, deep = 16;
+    bool given = read_cells(p->cells, &across, &deep);
+    hdr_bilateral largest = {.sigma_s = 1e6, .sigma_r = p->sigma_r.value, .low = -45, .high = 45};
+    double grid = hdr_grid_bound(&largest, 1e12, across, deep);
+    if (p->method == METHOD_GRID) base = given ? grid : fmax(base, grid);
     return hdr_pow(10, 2 * base) - 1;
 }
 

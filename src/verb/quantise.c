@@ -42,7 +42,7 @@ HDR_CURVE_MONOTONE(quantise)
 HDR_INLINE double dithered_of(const hdr_constants *k, double c, double t) {
     return rounded(k, c, t);
 }
-HDR_LOCAL_CURVE(dithered)
+HDR_LOCAL_CURVE(dithered, NULL)
 
 static hdr_verdict plan(const void *params, const hdr_scene *scene, hdr_step *step, hdr_error *err) {
     (void)scene;

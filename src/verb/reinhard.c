@@ -123,7 +123,11 @@ HDR_INLINE double reinhard_local_of(const hdr_constants *k, double y, double sur
     double lit = y > 0 ? y : 0;
     return k->v[0] * lit / (1 + k->v[0] * surround);
 }
-HDR_LOCAL_CURVE(reinhard_local)
+/* Of what is alike everywhere, every Gaussian's average is the luminance itself. */
+static double reinhard_alone(double y) {
+    return y;
+}
+HDR_LOCAL_CURVE(reinhard_local, reinhard_alone)
 
 /* A picture with nothing lit becomes 0. */
 HDR_INLINE double reinhard_dark_of(const hdr_constants *k, double y) {

@@ -57,12 +57,13 @@ typedef struct hdr_curve {
 typedef struct hdr_local_curve {
     double (*exact)(const hdr_constants *constants, double value, double surround);
     void (*rows)(const hdr_constants *constants, double *values, const double *surround, size_t count);
+    double (*alone)(double value); /* local forms: S of a lit pixel that has nothing around it but its like */
 } hdr_local_curve;
 
-/* HDR_LOCAL_CURVE(name) makes it of the function
+/* HDR_LOCAL_CURVE(name, alone) makes it of the function
  *     HDR_INLINE double name_of(const hdr_constants *k, double value, double surround)
  */
-#define HDR_LOCAL_CURVE(name)                                                                                          \
+#define HDR_LOCAL_CURVE(name, alone)                                                                                   \
     HDR_INLINE void name##_rows_body(const hdr_constants *constants, double *values, const double *surround,           \
                                      size_t count) {                                                                   \
         const hdr_constants k = *constants;                                                                            \
@@ -75,7 +76,7 @@ typedef struct hdr_local_curve {
     static double name##_exact(const hdr_constants *constants, double value, double surround) {                        \
         return name##_of(constants, value, surround);                                                                  \
     }                                                                                                                  \
-    static const hdr_local_curve name = {name##_exact, name##_rows};
+    static const hdr_local_curve name = {name##_exact, name##_rows, alone};
 
 /* Something that a verb has opened for a clause, and that maps pixels by means which are not the verb's own. Several
  * threads use it at the same time. */

@@ -103,6 +103,13 @@ for file in "$alpha" "$tiny/window.exr" "$tiny/opaque.exr" testdata/object.exr; 
     done
 done
 
+# outside the data window a pixel has nothing around it but its like: the base is its own, the detail none, and 0.18
+for option in -q --reference --no-skip -j1; do
+    "$hdr" durand --show detail --alpha over:0.5,0.5,0.5 : pfm "$option" -o "$work/border.pfm" testdata/tiny/window.exr
+    border=$(tail -n +4 "$work/border.pfm" | od -An -tf4 -j 120 -N4 | tr -d ' ')
+    check "durand of a border, $option: detail is $border" test "$border" = 0.18
+done
+
 # ---- Colour that does not show -----------------------------------------------------------------------------------
 
 expect_status 0 'emission to PNG' "$hdr" clamp : png -j 2 -o "$work/a.png" "$alpha"

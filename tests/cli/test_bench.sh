@@ -238,6 +238,31 @@ done
 for cells in 2x2 16x2 2.5x4.25 auto; do
     expect_status 0 "--cells '$cells'" "$hdr" durand --method grid --sigma-s 8px --cells "$cells" : png -o "$work/a.png" $picture
 done
+for words in '--method exact --tolerance 0.1' '--method piecewise --tolerance 0.1' '--method exact --cells 3x4' \
+    '--method grid --subsample 4' '--subsample 4'; do
+    # shellcheck disable=SC2086 # words
+    expect_status 64 "$words" "$hdr" durand $words -o "$work/a.png" $picture
+    check "$words: it has no meaning" one_line_with 'has no meaning with --method'
+done
+expect_status 64 'no grid is small enough' "$hdr" durand --method grid --sigma-s 0.1px --sigma-r 0.01 -o "$work/a.png" testdata/interior.exr
+check 'no grid is small enough: that is said' one_line_with 'too large'
+
+# pixels to compare at are those that are lit, however few: two of a million
+{ printf 'Pf\n1000 1000\n-1.0\n' && head -c 2000000 /dev/zero && printf '\000\000\200\077\000\000\200\100' && head -c 1999992 /dev/zero; } >"$work/few.pfm"
+expect_status 0 'few are lit' "$hdr" bench --json --repetitions 1 --samples 50 --limit 0.1 durand "$work/few.pfm"
+check 'few are lit: they are compared' grep -q '"random_pixels": 2,' "$work/stdout"
+expect_status 0 'few are lit, as a table' "$hdr" bench --repetitions 1 --samples 50 --limit 0.1 durand "$work/few.pfm"
+check 'few are lit: so it says' grep -q 'at all 2 lit pixels' "$work/stdout"
+# what auto takes is among the ways, with settings that no list has; where nothing is computed, no way is marked
+expect_status 0 'auto' "$hdr" bench --csv --repetitions 1 --samples 50 --limit 0.1 durand --sigma-r 3 --sigma-s 8px $picture
+check 'one way is what auto takes' test "$(awk -F , 'NR > 1 && $4 == 1' "$work/stdout" | wc -l)" -eq 1
+expect_status 0 'one intensity' "$hdr" bench --csv --repetitions 1 --samples 50 --limit 0.1 durand testdata/tiny/constant.exr
+check 'one intensity: no way is marked' test "$(awk -F , 'NR > 1 && $4 == 1' "$work/stdout" | wc -l)" -eq 0
+# a plot that cannot be written: what was measured is told all the same
+ln -s /dev/full "$work/full.svg"
+expect_status 74 'a full disk' "$hdr" bench --repetitions 1 --plot "$work/full.svg" log $picture
+check 'a full disk: the table' grep -q 'reference' "$work/stdout"
+
 expect_status 64 '--cells without grid' "$hdr" durand --cells 3x4 -o "$work/a.png" $picture
 expect_status 64 '--cells and --tolerance' "$hdr" durand --method grid --cells 3x4 --tolerance 0.01 -o "$work/a.png" $picture
 check '--cells and --tolerance: that is said' stderr_has '--tolerance has no meaning with --cells 3x4'

@@ -239,8 +239,9 @@ static inline scene scene_random(scene_kind kind, uint64_t seed, double pixels) 
     } while (s.width > 2000 || s.height > 1000);
     int larger = s.width > s.height ? s.width : s.height;
     s.sigma_s = scene_round(scene_log(&state, 0.5, fmax(0.5, 0.5 * larger)));
-    s.sigma_r = scene_round(scene_log(&state, 0.1, 1));
-    s.range = scene_round(scene_log(&state, 1, 12));
+    bool narrow = scene_unit(&state) < 0.25; /* the whole range may be less than sigma_r */
+    s.sigma_r = scene_round(scene_log(&state, 0.1, narrow ? 12 : 1));
+    s.range = scene_round(scene_log(&state, narrow ? 0.5 : 1, 12));
     for (int i = 0; i < SCENE_TURNS; i++)
         s.turn[i] = scene_round(scene_unit(&state));
     return s;

@@ -64,6 +64,25 @@ static void test_ends(void) {
     law_free_picture(&flat);
 }
 
+/* Whole codes stay what they are, as float32 has them: there is no noise to be had where there is nothing to hide. */
+static void test_whole(void) {
+    law_picture codes = law_new_picture("codes", TILE, 256, 1, false);
+    for (size_t i = 0; i < law_pixels(&codes); i++)
+        codes.plane[0][i] = (float)(i / TILE) / 255;
+    for (int k = 0; k < KINDS; k++)
+        for (int seed = 1; seed < 20; seed++) {
+            char chain[60];
+            snprintf(chain, sizeof chain, "quantise --dither %s --seed %d", kinds[k], seed);
+            law_codes got = law_codes_of(&codes, chain, "");
+            size_t wrong = got.count != law_pixels(&codes);
+            for (size_t i = 0; !wrong && i < got.count; i++)
+                wrong += got.code[i] != i / TILE;
+            CHECK(wrong == 0, "%s: a whole code is not kept", chain);
+            free(got.code);
+        }
+    law_free_picture(&codes);
+}
+
 /* ---- Values and places ---- */
 
 /* A picture of shades from black to white, with noise. */
@@ -304,6 +323,7 @@ static void test_gradient(void) {
 int main(void) {
     test_means();
     test_ends();
+    test_whole();
     test_codes();
     test_grey();
     test_alpha();

@@ -13,7 +13,7 @@
 #include <string.h>
 #include <time.h>
 
-static const double grid_sizes[][2] = {{2, 2}, {2, 4}, {3, 4}, {4, 6}};
+static const double grid_sizes[][2] = {{2, 2}, {2, 4}, {3, 4}, {4, 6}, {2, 3}, {7, 4}, {16, 2}};
 enum {
     GRIDS = sizeof grid_sizes / sizeof *grid_sizes,
     DIRECT = GRIDS, /* the sum that is cut */
@@ -171,7 +171,8 @@ static answer ask_choice(const question *q, bool only_direct, double cells) {
 static answer ask_way(const question *q, int way, double cells) {
     if (way >= GRIDS) return ask_choice(q, way == DIRECT, cells);
     const double *size = grid_sizes[way];
-    double bound = hdr_grid_bound(&q->filter, q->plane, size[0], size[1]) / q->filter.sigma_r;
+    double bound =
+        hdr_grid_bound(&q->filter, (double)q->plane->width * q->plane->height, size[0], size[1]) / q->filter.sigma_r;
     return ask_grid(q, size[0], size[1], bound, cells);
 }
 
@@ -246,6 +247,11 @@ static const scene hard_scenes[] = {
     {SCENE_TUG, 1600, 800, 200, 0.3, 5, {0.492, 0.61399, 0.72072, 0}, 987609},
     {SCENE_TUG, 1600, 800, 200, 0.3, 5, {0.13556, 0.80269, 0.63652, 0.26247}, 87615},
     {SCENE_TUG, 1600, 800, 200, 0.3, 5, {0.71533, 0, 0.66197, 0.98187}, 118166},
+    /* ranges that are no larger than sigma_r, and cells that are much finer one way than the other */
+    {SCENE_FLAT, 154, 8, 0.66662, 1, 1.2178, {0.070522, 0.69022, 0.89772, 0.93901}, 507938},
+    {SCENE_FLAT, 12, 8, 0.66709, 0.88847, 1.1715, {0.99314, 0.21734, 0.36922, 0.42013}, 27754},
+    {SCENE_NOISE, 26, 16, 2.3345, 1, 1.0093, {0.66307, 0.61759, 0.62967, 0.0053524}, 527200},
+    {SCENE_MARGINS, 4, 2, 1.2021, 11.271, 9.0535, {0.32999, 0.5654, 0.07053, 0.85258}, 247206},
     {SCENE_FLAT, 345, 223, 98.47, 0.68423, 3.1998, {0.67899, 0.86575, 0.55504, 0.18007}, 121661},
 };
 enum { HARD_SCENES = sizeof hard_scenes / sizeof *hard_scenes };
@@ -283,8 +289,8 @@ static scene perturbed(const scene *s, uint64_t *state) {
         t.turn[i] = nudge(t.turn[i], by, 0, 1, state);
     int larger = t.width > t.height ? t.width : t.height;
     t.sigma_s = nudge(t.sigma_s, by * t.sigma_s, 0.5, fmax(0.5, 0.5 * larger), state);
-    t.sigma_r = nudge(t.sigma_r, by, 0.1, 1, state);
-    t.range = nudge(t.range, 5 * by, 1, 12, state);
+    t.sigma_r = nudge(t.sigma_r, by * fmax(1, t.sigma_r), 0.1, 15, state);
+    t.range = nudge(t.range, 5 * by, 0.5, 12, state);
     if (scene_bits(state) % 4 == 0) t.seed = scene_bits(state) % 1000000;
     return t;
 }

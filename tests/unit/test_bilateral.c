@@ -285,12 +285,17 @@ static void test_ranks(void) {
 
 /* ---- The grid ---- */
 
+/* With a margin above and another below, all of one number. */
+static bool is_margin(int height, int y) {
+    return y < height / 4 || y > height - height / 5;
+}
+
 static hdr_plane *two_populations(int width, int height) {
     hdr_plane *plane = new_plane(width, height, false);
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++)
             plane->narrow[(size_t)y * plane->stride + (size_t)x] =
-                (float)((x > width / 3 ? -3 : 3) + 0.2 * random_unit());
+                is_margin(height, y) ? -3.5f : (float)((x > width / 3 ? -3 : 3) + 0.2 * random_unit());
     return plane;
 }
 
@@ -312,6 +317,44 @@ static bool same_plane(const hdr_plane *a, const hdr_plane *b) {
                        (size_t)a->width * sizeof(float)))
             return false;
     return true;
+}
+
+static hdr_plane *exact_of(const hdr_plane *plane, const hdr_bilateral *filter) {
+    hdr_error error = {0};
+    hdr_plane *base = new_plane(plane->width, plane->height, false);
+    hdr_pool *pool = hdr_pool_new(2, &error);
+    hdr_status status = hdr_bilateral_exact(filter, 2, plane, base, pool, &error);
+    CHECK(status == HDR_OK, "%s", error.message);
+    hdr_pool_free(pool);
+    return base;
+}
+
+/* Where not all bases are wanted, those that are must not change. */
+static void check_wanted(const hdr_plane *plane, hdr_bilateral filter, const double cells[2]) {
+    int width = plane->width, height = plane->height;
+    unsigned char *wanted = calloc((size_t)height, hdr_mask_row(width));
+    if (!wanted) abort();
+    for (int y = 0; y < height; y++)
+        for (int x = 0; x < width && !is_margin(height, y); x++)
+            wanted[(size_t)y * hdr_mask_row(width) + (size_t)x / 8] |=
+                (unsigned char)((random_bits() % 3 > 0) << x % 8);
+    hdr_bilateral_report report;
+    hdr_plane *all[2] = {grid_of(plane, &filter, cells, 2, &report), exact_of(plane, &filter)};
+    filter.wanted = wanted;
+    hdr_plane *some[2] = {grid_of(plane, &filter, cells, 2, &report), exact_of(plane, &filter)};
+    for (int way = 0; way < 2; way++) {
+        int wrong = 0;
+        for (int y = 0; y < height; y++)
+            for (int x = 0; x < width; x++) {
+                size_t at = (size_t)y * plane->stride + (size_t)x;
+                wrong += hdr_mask_has(wanted + (size_t)y * hdr_mask_row(width), x) &&
+                         !same_bits(&all[way]->narrow[at], &some[way]->narrow[at], sizeof(float));
+            }
+        CHECK(wrong == 0, "%d x %d: %d bases change where others are not wanted", width, height, wrong);
+        hdr_plane_free(all[way]);
+        hdr_plane_free(some[way]);
+    }
+    free(wanted);
 }
 
 static void test_grid(void) {
@@ -341,6 +384,7 @@ static void test_grid(void) {
                   (unsigned long long)report[0].cells);
             for (int y = 0; y < one->height; y++)
                 digest_floats(one->narrow + (size_t)y * one->stride, (size_t)one->width);
+            check_wanted(plane, filter, cells[c]);
             hdr_plane *planes[] = {plane, one, two, five, whole};
             for (int i = 0; i < 5; i++)
                 hdr_plane_free(planes[i]);

@@ -3,12 +3,11 @@
  * set, and with what nobody needs computed, too. */
 #include "check.h"
 #include "kernels.h"
+#include "levels.h"
 #include "base/cpu.h"
 #include "spatial/bilateral.h"
 
 #include <stdlib.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 /* ---- Scenes ---- */
 
@@ -322,46 +321,16 @@ static void test_subsample(void) {
     }
 }
 
-/* ---- Levels: the processor's is chosen once a process ---- */
+/* ---- Levels ---- */
 
-static uint64_t digest_at(hdr_cpu_level level, bool *missing) {
-    int ends[2], status = -1;
-    uint64_t digest = 0;
-    pid_t child = pipe(ends) == 0 ? fork() : -1;
-    CHECK(child >= 0, "no process");
-    if (child == 0) {
-        setenv("HDR_CPU", hdr_cpu_name(level), 1);
-        random_state = 1;
-        digest = test_sameness(true);
-        int code = hdr_cpu() == level ? 0 : 2;
-        _exit(write(ends[1], &digest, sizeof digest) == sizeof digest ? code : 1);
-    }
-    close(ends[1]);
-    CHECK(read(ends[0], &digest, sizeof digest) == sizeof digest, "%s: no answer", hdr_cpu_name(level));
-    close(ends[0]);
-    waitpid(child, &status, 0);
-    *missing = WIFEXITED(status) && WEXITSTATUS(status) == 2;
-    CHECK(status == 0 || *missing, "%s: the process failed", hdr_cpu_name(level));
-    return digest;
+static uint64_t test_level(void) {
+    random_state = 1;
+    return test_sameness(true);
 }
 
-static void test_levels(void) {
-    uint64_t first = 0;
-    for (int level = HDR_CPU_C; level <= HDR_CPU_AVX512; level++) {
-        bool missing;
-        uint64_t digest = digest_at((hdr_cpu_level)level, &missing);
-        if (level == HDR_CPU_C) first = digest;
-        if (missing)
-            CHECK_SKIP("this processor has no %s", hdr_cpu_name((hdr_cpu_level)level));
-        else
-            CHECK(digest == first, "%s gives other bases than plain C", hdr_cpu_name((hdr_cpu_level)level));
-    }
-}
-
-/* A number is how many scenes the bound is tried with. */
 int main(int argc, char **argv) {
     random_state = 1;
-    test_levels();
+    check_at_levels(test_level);
     test_sameness(false);
     test_pseudocode();
     test_bound(argc > 1 ? atoi(argv[1]) : 210);
