@@ -181,11 +181,11 @@ static hdr_status check_cells(const durand_params *p, const hdr_options *given, 
 
 static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
     const durand_params *p = params;
-    if (check_belongings(p, given, err) != HDR_OK) return HDR_USAGE;
     if (sigma_in_pixels(p->sigma_s, 1000) == 0)
         return hdr_refuse_text(options, "sigma-s", p->sigma_s,
                                "is neither a fraction (1e-06 to 10) nor pixels (0.1px to 1000000px)", err);
-    return check_cells(p, given, err);
+    if (check_cells(p, given, err) != HDR_OK) return HDR_USAGE;
+    return check_belongings(p, given, err);
 }
 
 /* I = (20 R + 40 G + B) / 61: Durand's web page about the paper. */
