@@ -7,7 +7,7 @@
 #   make lint    formatting, warnings of gcc and clang, man pages, shell scripts
 #   make install PREFIX=/usr/local DESTDIR=
 #
-# Variables: CC, CXX (for the plug-in alone), BUILD (another directory builds out of tree), SAN=address,undefined, WERROR=1,
+# Variables: CC, CXX (for the plug-ins alone), BUILD (another directory builds out of tree), SAN=address,undefined, WERROR=1,
 # NO_DEPS=1 (never installs), CFLAGS, CXXFLAGS and LDFLAGS (added to the project's own). Give PREFIX when building, too, if
 # programs of your own are to use the library: they look for plug-ins there.
 
@@ -31,7 +31,7 @@ SANITIZE := $(if $(SAN),-fsanitize=$(SAN) -fno-omit-frame-pointer -fno-sanitize-
 ALL_CFLAGS = $(CFLAGS) $(STANDARD) $(EXACT) $(WARNINGS) $(SANITIZE) -pthread -Iinclude
 OPENEXR_CFLAGS = $(shell pkg-config --cflags OpenEXR 2>/dev/null)
 LIBS := -lOpenEXRCore -lpng -ldeflate -lisal -lz -lm
-PACKAGES := pkg-config libopenexr-dev libpng-dev libdeflate-dev libisal-dev zlib1g-dev g++
+PACKAGES := pkg-config libopenexr-dev libpng-dev libdeflate-dev libisal-dev zlib1g-dev g++ libopencolorio-dev
 LINT_PACKAGES := clang clang-format shellcheck cppcheck mandoc
 CHECK_PACKAGES := libmpfr-dev mandoc pngcheck openexr
 
@@ -42,27 +42,32 @@ LIBRARY := $(BUILD)/libhdrpipe.a
 PROGRAM := $(BUILD)/hdr
 
 comma := ,
-# The plug-in is the only C++. It is built where there is a compiler for it and OpenEXR has its C++ headers.
+# The plug-ins are the only C++. They are built where there are a compiler and the headers of their libraries.
 ifeq ($(origin CXX),default)
 CXX := $(if $(findstring clang,$(CC)),clang++,c++)
 endif
 OPENEXR_CXX_HEADER := $(wildcard $(shell pkg-config --variable=includedir OpenEXR 2>/dev/null)/OpenEXR/ImfHeader.h)
-HAVE_CXX := $(if $(OPENEXR_CXX_HEADER),$(shell command -v $(CXX)))
-PLUGIN := $(if $(HAVE_CXX),$(BUILD)/plugin/hdrpipe-exr.so)
+OCIO_HEADER := $(wildcard $(shell pkg-config --variable=includedir OpenColorIO 2>/dev/null)/OpenColorIO/OpenColorIO.h)
+HAVE_CXX := $(shell command -v $(CXX))
+PLUGINS := $(if $(HAVE_CXX),$(if $(OPENEXR_CXX_HEADER),$(BUILD)/plugin/hdrpipe-exr.so) \
+    $(if $(OCIO_HEADER),$(BUILD)/plugin/hdrpipe-ocio.so))
 # clang's sanitizers only see exceptions where the program brings the C++ library along
 LIBS += $(if $(and $(SAN),$(findstring clang,$(CC))),-Wl$(comma)--push-state$(comma)--no-as-needed -lstdc++ -Wl$(comma)--pop-state)
 # vptr: its runtime is for C++ programs alone
 ALL_CXXFLAGS = $(CXXFLAGS) -std=c++14 $(WARNINGS) $(SANITIZE) $(if $(SAN),-fno-sanitize=vptr) -pthread
 OPENEXR_CXXFLAGS = $(patsubst -I%,-isystem %,$(OPENEXR_CFLAGS))
 OPENEXR_CXX_LIBS = $(shell pkg-config --libs OpenEXR 2>/dev/null)
+OCIO_CXXFLAGS = $(patsubst -I%,-isystem %,$(shell pkg-config --cflags OpenColorIO 2>/dev/null))
+OCIO_LIBS = $(shell pkg-config --libs OpenColorIO 2>/dev/null)
 
 VERBS := $(shell sed -n 's/^HDR_VERB(\(.*\))/\1/p' src/verb/verbs.def)
 
 .PHONY: all deps check-deps demo check check-exhaustive lint lint-deps bench man install uninstall clean
 .DELETE_ON_ERROR:
 
-all: $(PROGRAM) $(PLUGIN)
-	@$(if $(PLUGIN),:,echo 'no C++ compiler, or no C++ headers of OpenEXR: built without DWAA and DWAB')
+all: $(PROGRAM) $(PLUGINS)
+	@$(if $(findstring exr.so,$(PLUGINS)),:,echo 'no C++ compiler, or no C++ headers of OpenEXR: built without DWAA and DWAB')
+	@$(if $(findstring ocio.so,$(PLUGINS)),:,echo 'no C++ compiler, or no headers of OpenColorIO: built without the verb ocio')
 
 # ---- What is needed ----
 
@@ -111,13 +116,22 @@ $(PROGRAM): $(COMMANDS) $(LIBRARY)
 	@echo '  LD $@'
 	$(Q)$(CC) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread -o $@ $^ $(LIBS)
 
-# where programs look for the plug-in that are not installed together with it
-$(BUILD)/src/io/exr_dwa.o: private ALL_CFLAGS += -DHDR_PLUGIN_FOLDER='"$(PREFIX)/lib/hdrpipe"'
+# where programs look for plug-ins that are not installed together with them
+$(BUILD)/src/base/plugin.o: private ALL_CFLAGS += -DHDR_PLUGIN_FOLDER='"$(PREFIX)/lib/hdrpipe"'
 
 $(BUILD)/plugin/hdrpipe-exr.so: src/plugin/exr_dwa.cc src/plugin/exr_dwa.h $(BUILD)/flags
 	@mkdir -p $(@D)
 	@echo '  CXX $@'
 	$(Q)$(CXX) $(ALL_CXXFLAGS) $(OPENEXR_CXXFLAGS) -fPIC -shared -fvisibility=hidden $(LDFLAGS) $< -o $@ $(OPENEXR_CXX_LIBS)
+
+# the configuration that is built in, as a string
+$(BUILD)/plugin/aces.ocio.h: src/plugin/aces.ocio Makefile
+	@mkdir -p $(@D)
+	$(Q){ echo 'const char built_in[] ='; sed 's/["\\]/\\&/g; s/.*/"&\\n"/' $<; echo ';'; } >$@
+
+$(BUILD)/plugin/hdrpipe-ocio.so: src/plugin/ocio.cc $(BUILD)/plugin/aces.ocio.h src/plugin/ocio.h include/hdrpipe.h $(BUILD)/flags
+	@echo '  CXX $@'
+	$(Q)$(CXX) $(ALL_CXXFLAGS) $(OCIO_CXXFLAGS) -Iinclude -I$(BUILD)/plugin -fPIC -shared -fvisibility=hidden $(LDFLAGS) $< -o $@ $(OCIO_LIBS)
 
 -include $(OBJECTS:.o=.d) $(COMMANDS:.o=.d)
 
@@ -171,12 +185,12 @@ install: all
 	install -m 644 man/*.7 $(DESTDIR)$(PREFIX)/share/man/man7/
 	printf 'prefix=%s\nName: hdrpipe\nDescription: HDR renders to display pictures\nVersion: %s\nRequires: libpng OpenEXR\nLibs: -L$${prefix}/lib -lhdrpipe $(LIBS) -pthread\nCflags: -I$${prefix}/include\n' \
 	    '$(PREFIX)' "$$(sed -n 's/.*HDRPIPE_VERSION "\(.*\)"/\1/p' include/hdrpipe.h)" >$(BUILD)/hdrpipe.pc
-	$(if $(PLUGIN),install -d $(DESTDIR)$(PREFIX)/lib/hdrpipe && install -m 644 $(PLUGIN) $(DESTDIR)$(PREFIX)/lib/hdrpipe/)
+	$(if $(PLUGINS),install -d $(DESTDIR)$(PREFIX)/lib/hdrpipe && install -m 644 $(PLUGINS) $(DESTDIR)$(PREFIX)/lib/hdrpipe/)
 	install -m 644 $(BUILD)/hdrpipe.pc $(DESTDIR)$(PREFIX)/lib/pkgconfig/
 
 uninstall:
 	rm -f $(DESTDIR)$(PREFIX)/bin/hdr $(VERBS:%=$(DESTDIR)$(PREFIX)/bin/hdr-%)
-	rm -f $(DESTDIR)$(PREFIX)/lib/hdrpipe/hdrpipe-exr.so
+	rm -f $(DESTDIR)$(PREFIX)/lib/hdrpipe/hdrpipe-exr.so $(DESTDIR)$(PREFIX)/lib/hdrpipe/hdrpipe-ocio.so
 	if [ -d $(DESTDIR)$(PREFIX)/lib/hdrpipe ]; then rmdir $(DESTDIR)$(PREFIX)/lib/hdrpipe; fi
 	rm -f $(DESTDIR)$(PREFIX)/lib/libhdrpipe.a $(DESTDIR)$(PREFIX)/lib/pkgconfig/hdrpipe.pc $(DESTDIR)$(PREFIX)/include/hdrpipe.h
 	rm -f $(patsubst man/%,$(DESTDIR)$(PREFIX)/share/man/man1/%,$(wildcard man/*.1))

@@ -82,6 +82,12 @@ hdr_status cmd_error(hdr_chain *chain, hdr_error *error);
 /* noise.c */
 hdr_status cmd_noise(hdr_chain *chain, hdr_error *error);
 
+/* ocio.c: the names in the configuration of a clause of the verb ocio */
+hdr_status cmd_ocio_list(hdr_chain *chain, int clause, hdr_error *error);
+
+/* crosscheck.c */
+hdr_status cmd_crosscheck(hdr_chain *chain, hdr_error *error);
+
 /* bench.c: the chain behind `hdr bench` */
 hdr_status cmd_bench(hdr_chain *chain, hdr_error *error);
 

@@ -16,8 +16,8 @@
 static const struct program {
     const char *name;
     hdr_status (*run)(hdr_chain *chain, hdr_error *error);
-} programs[] = {
-    {"info", cmd_info}, {"stats", cmd_stats}, {"bench", cmd_bench}, {"error", cmd_error}, {"noise", cmd_noise}};
+} programs[] = {{"info", cmd_info},   {"stats", cmd_stats}, {"bench", cmd_bench},
+                {"error", cmd_error}, {"noise", cmd_noise}, {"crosscheck", cmd_crosscheck}};
 
 /* ---- Words to standard error ---- */
 
@@ -99,11 +99,18 @@ static hdr_status close_standard_output(hdr_status status) {
 
 /* ---- Where the result goes ---- */
 
+/* Whether all clauses can go along in a pipe's head. */
+static bool travels(const hdr_chain *chain) {
+    for (int i = 1; hdr_chain_clause(chain, i); i++)
+        if (hdr_chain_clause(chain, i)->stays) return false;
+    return true;
+}
+
 /* Whether a chain of filters is handed on as text: there is somebody at the other end who will compute the pixels. */
 static bool deferred(const hdr_chain *chain) {
     struct stat about;
     const char *environment = getenv("HDR_DEFER");
-    return !hdr_chain_joins(chain) && !hdr_chain_settings(chain)->output && hdr_chain_last(chain)->kind == HDR_FILTER &&
+    return !hdr_chain_settings(chain)->output && hdr_chain_last(chain)->kind == HDR_FILTER && travels(chain) &&
            !(environment && strcmp(environment, "0") == 0) && fstat(STDOUT_FILENO, &about) == 0 &&
            S_ISFIFO(about.st_mode);
 }
@@ -219,11 +226,19 @@ static const hdr_verb_about *chosen_verb(const hdr_chain *chain) {
     return leader ? leader : hdr_chain_last(chain);
 }
 
+/* The clause that asks for a list, and no picture; 0: none does. */
+static int listing_clause(const hdr_chain *chain) {
+    for (int i = 1; hdr_chain_clause(chain, i); i++)
+        if (hdr_chain_given(chain, i, "list")) return i;
+    return 0;
+}
+
 static hdr_status run_chain(hdr_chain *chain, hdr_error *error) {
     const hdr_verb_about *verb = chosen_verb(chain);
     const char *const *files = hdr_chain_files(chain);
     for (size_t i = 0; i < sizeof programs / sizeof *programs; i++)
         if (strcmp(verb->name, programs[i].name) == 0) return run_program(&programs[i], chain, error);
+    if (listing_clause(chain)) return cmd_ocio_list(chain, listing_clause(chain), error);
     if (files[0] && files[1] && !hdr_chain_joins(chain))
         return cmd_refuse(error, "one picture at a time: '%.200s' is one file too many", files[1]);
     return deferred(chain) ? defer(chain, error) : compute(chain, error);

@@ -82,7 +82,8 @@ void cmd_print_overview(FILE *to) {
 }
 
 void cmd_print_verb_help(FILE *to, const hdr_verb_about *verb) {
-    fprintf(to, "usage: hdr %s [OPTION...] %s\n", verb->name, verb->leads ? led_operands : kind_of(verb)->operands);
+    const char *operands = verb->leads ? led_operands : verb->alone ? "" : kind_of(verb)->operands;
+    fprintf(to, "usage: hdr %s [OPTION...]%s%s\n", verb->name, *operands ? " " : "", operands);
     fprintf(to, "       hdr-%s ...\n\n%s: %s\n", verb->name, verb->name, verb->summary);
     if (verb->options && verb->options->name) {
         fprintf(to, "\nOptions:\n");
@@ -303,7 +304,7 @@ static void print_synopsis(const hdr_verb_about *verb) {
         printf(".Op Ar FILE\n");
     else if (verb->kind == HDR_JOIN)
         printf(".Op Fl o Ar OUT\n.Ar FILE ...\n");
-    else
+    else if (!verb->alone)
         printf(verb->kind == HDR_PROGRAM ? ".Op Ar FILE ...\n" : ".Op Fl o Ar OUT\n.Op Ar FILE\n");
     printf(".Nm hdr-%s\n.Ar ...\n", verb->name);
 }

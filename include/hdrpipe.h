@@ -113,6 +113,8 @@ typedef struct hdr_verb_about {
     const hdr_option *options; /* its own options */
     hdr_verb_kind kind;
     bool leads; /* a program that stands in front of a chain, without a `then`: bench [OPTION...] VERB [OPTION...] */
+    bool alone; /* a program that takes no picture: crosscheck */
+    bool stays; /* a verb that opens more than a picture: it cannot go along in a pipe's head */
 } hdr_verb_about;
 
 /* The verbs, in the order of the manual: index 0, 1, ... until NULL. */
@@ -307,7 +309,7 @@ hdr_status hdr_chain_run(hdr_chain *chain, hdr_input *input, hdr_output *output,
 
 /* Puts the chain in front of the input's bytes, as text, and copies both to an open descriptor: no pixel is computed.
  * For a filter that writes to a pipe. The text's form is in hdrpipe(5). HDR_USAGE: the chain ends in a format or
- * program. */
+ * program, or has a filter that stays. */
 hdr_status hdr_chain_defer(hdr_chain *chain, hdr_input *input, int descriptor, hdr_error *err);
 
 /* ---- Facts ----------------------------------------------------------------------------------------------------------
@@ -468,6 +470,64 @@ typedef struct hdr_surround {
 hdr_surround *hdr_chain_surround(hdr_chain *chain, hdr_input *input, int count, const hdr_pixel pixels[],
                                  const hdr_listener *listener, hdr_error *err);
 void hdr_surround_free(hdr_surround *surround);
+
+/* ---- OpenColorIO ----------------------------------------------------------------------------------------------------
+ */
+
+typedef enum hdr_ocio_kind {
+    HDR_OCIO_SPACE,   /* a colour space */
+    HDR_OCIO_ROLE,    /* another name for one */
+    HDR_OCIO_DISPLAY, /* behind it stand its views */
+    HDR_OCIO_VIEW,
+    HDR_OCIO_LOOK
+} hdr_ocio_kind;
+
+typedef struct hdr_ocio_name {
+    hdr_ocio_kind kind;
+    const char *name;
+    const char *of; /* a role's colour space, a view's display; else empty */
+} hdr_ocio_name;
+
+/* The names that the options of the verb ocio take, kind by kind in the configuration's order. */
+typedef struct hdr_ocio_names {
+    int count;
+    const hdr_ocio_name *names;
+} hdr_ocio_names;
+
+/* What a configuration file offers. NULL: the one that the environment's OCIO names, or, where that is not set, the one
+ * that is built in. The plug-in hdrpipe-ocio.so is loaded for it: HDR_BAD_DATA where it is missing, or the file is
+ * faulty; HDR_NO_INPUT: there is no such file. */
+hdr_ocio_names *hdr_ocio_names_new(const char *config_file, hdr_error *err);
+void hdr_ocio_names_free(hdr_ocio_names *names);
+
+/* ---- Cross-check ----------------------------------------------------------------------------------------------------
+ */
+
+/* The largest distances between two ways to compute the same numbers: relative of those whose magnitude is 0.001 or
+ * more, absolute of those below. Both are below 0 where nothing is compared. */
+typedef struct hdr_distance {
+    double relative, absolute;
+} hdr_distance;
+
+/* A curve of a verb, or a matrix between primaries, against OpenColorIO's, and against what is published. */
+typedef struct hdr_agreement {
+    const char *what;     /* "srgb --decode" */
+    const char *theirs;   /* OpenColorIO's transform, as a configuration has it */
+    hdr_distance ours;    /* from the published formula, in long double; of matrices none is printed */
+    hdr_distance apart;   /* of ours from OpenColorIO's, in float32 */
+    double codes;         /* the same in 8-bit codes, of results within [0,1] */
+    hdr_distance follows; /* of OpenColorIO's from the formula that it follows, in long double */
+    const char *reason;   /* why that is another, by design; NULL: it is not meant to be */
+    size_t numbers;       /* that were compared */
+    bool agrees;          /* ours is what is published, but for the roundings of double; and OpenColorIO's is ours to
+                               2e-7, or 1e-7 below 0.001, or else what it is said to be instead, to 1e-6 */
+} hdr_agreement;
+
+/* Compares: curves over all half values and 10^6 floats from 1e-8 to 1e4. verb: those of one verb, or of "primaries";
+ * NULL: all. Fills agreements, which are at most room, and *count. HDR_USAGE: there are none of that name. The plug-in
+ * hdrpipe-ocio.so is needed, as for hdr_ocio_names_new. */
+hdr_status hdr_crosscheck(const char *verb, int threads, hdr_agreement agreements[], int room, int *count,
+                          hdr_error *err);
 
 /* ---- Contents -------------------------------------------------------------------------------------------------------
  */

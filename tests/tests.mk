@@ -7,7 +7,10 @@ TEST_PROGRAMS := $(TEST_SOURCES:%.c=$(BUILD)/%)
 # comparisons with C++ libraries, where there are a compiler and headers for them
 CXX_TEST_SOURCES := $(wildcard tests/oracle/test_*.cc)
 HAVE_CXX := $(shell $(CXX) $$(pkg-config --cflags OpenEXR) -include ImfRgbaFile.h -fsyntax-only -x c++ /dev/null 2>/dev/null && echo yes)
-CXX_TEST_PROGRAMS = $(if $(HAVE_CXX),$(CXX_TEST_SOURCES:%.cc=$(BUILD)/%))
+OCIO_TEST := $(BUILD)/tests/oracle/test_ocio
+CXX_TEST_PROGRAMS = $(if $(HAVE_CXX),$(filter-out $(OCIO_TEST),$(CXX_TEST_SOURCES:%.cc=$(BUILD)/%))) \
+    $(if $(findstring ocio.so,$(PLUGINS)),$(OCIO_TEST))
+$(OCIO_TEST): LIBS += $(OCIO_LIBS)
 TEST_SCRIPTS := $(wildcard tests/cli/test_*.sh tests/laws/test_*.sh)
 
 $(BUILD)/tests/%: tests/%.c $(LIBRARY) $(BUILD)/flags
@@ -42,7 +45,7 @@ $(BUILD)/tests/oracle/compare_exr: tests/oracle/compare_exr.cc $(BUILD)/flags
 	$(Q)$(CXX) $(ALL_CXXFLAGS) $(OPENEXR_CXXFLAGS) $(LDFLAGS) $< -o $@ $(OPENEXR_CXX_LIBS)
 
 # programs look for plug-ins beside themselves
-$(BUILD)/tests/%/plugin: $(PLUGIN)
+$(BUILD)/tests/%/plugin: $(PLUGINS)
 	@mkdir -p $(@D)
 	$(Q)ln -sfn ../../plugin $@
 
@@ -50,13 +53,14 @@ check: check-deps
 	$(MAKE) check-built
 
 .PHONY: check-built
-check-built: all $(TEST_PROGRAMS) $(CXX_TEST_PROGRAMS) $(COMPARE_EXR) $(BUILD)/tests/unit/plugin $(BUILD)/tests/laws/plugin $(BUILD)/testdata/render $(BUILD)/testdata/tiny
+check-built: all $(TEST_PROGRAMS) $(CXX_TEST_PROGRAMS) $(COMPARE_EXR) $(BUILD)/tests/unit/plugin $(BUILD)/tests/laws/plugin $(BUILD)/tests/oracle/plugin $(BUILD)/testdata/render $(BUILD)/testdata/tiny
 	BUILD=$(BUILD) CC='$(CC)' sh tests/run.sh $(TEST_PROGRAMS) $(CXX_TEST_PROGRAMS) $(TEST_SCRIPTS)
 # Timings belong here and not in tests. FILE: a large EXR to measure with; otherwise one is made by oiiotool.
 bench: all $(BUILD)/tests/bench/scales
 	BUILD=$(BUILD) sh tests/bench/pipe.sh $(FILE)
 	BUILD=$(BUILD) sh tests/bench/reinhard.sh $(FILE)
 	BUILD=$(BUILD) sh tests/bench/durand.sh $(FILE)
+	BUILD=$(BUILD) sh tests/bench/ocio.sh $(FILE)
 	$(BUILD)/tests/bench/scales
 
 include tests/oracle/oracle.mk

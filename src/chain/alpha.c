@@ -10,10 +10,10 @@ bool hdr_run_has_border(const hdr_run *run) {
             display->max_y > data->max_y);
 }
 
-/* A picture of luminance alone becomes one of R, G, B, which are equal until the colour is laid under it. */
-static void spread_luminance(hdr_run *run) {
+void hdr_run_spread(hdr_run *run) {
     static const char *const names[3] = {"R", "G", "B"};
     hdr_picture *picture = &run->source->picture;
+    if (picture->planes == 3) return;
     run->spread = true;
     picture->planes = 3;
     for (int c = 0; c < 3; c++) {
@@ -48,7 +48,7 @@ hdr_status hdr_run_choose_alpha(hdr_run *run, hdr_error *err) {
     }
     run->over = alpha->colour;
     run->coloured = alpha->colour[0] != alpha->colour[1] || alpha->colour[0] != alpha->colour[2];
-    if (run->coloured && picture->planes == 1) spread_luminance(run);
+    if (run->coloured) hdr_run_spread(run);
     hdr_say(run->listener, HDR_EXPLAIN, "the picture is laid over %g,%g,%g", alpha->colour[0], alpha->colour[1],
             alpha->colour[2]);
     return HDR_OK;

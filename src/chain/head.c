@@ -67,8 +67,12 @@ static hdr_status write_all(int descriptor, const void *data, size_t size, hdr_e
 
 hdr_status hdr_chain_defer(hdr_chain *chain, hdr_input *input, int descriptor, hdr_error *err) {
     const hdr_verb_about *last = hdr_chain_last(chain);
-    if (!last || last->kind != HDR_FILTER || hdr_chain_joins(chain))
+    if (!last || last->kind != HDR_FILTER)
         return hdr_fail(err, HDR_USAGE, "only a chain of filters can be handed on through a pipe");
+    for (int i = 1; i <= chain->count; i++)
+        if (hdr_chain_clause(chain, i)->stays)
+            return hdr_fail(err, HDR_USAGE, "%s cannot be handed on through a pipe, but only what it makes",
+                            hdr_chain_clause(chain, i)->name);
     hdr_bytes text = {0};
     hdr_chain *whole = hdr_chain_behind_head(chain, input, err);
     hdr_status status = whole ? HDR_OK : err ? err->status : HDR_BAD_DATA;
@@ -135,6 +139,8 @@ static hdr_status read_line(hdr_chain *chain, char *line, int number, bool *read
                      word[1], HDRPIPE_VERSION);
         else if (verb->about.kind != HDR_FILTER)
             hdr_fail(&own, HDR_BAD_DATA, "%s is no filter", word[1]);
+        else if (verb->about.stays)
+            hdr_fail(&own, HDR_BAD_DATA, "%s cannot come through a pipe, but only what it makes", word[1]);
         else
             hdr_chain_add_clause(chain, word + 1, count - 1, &own);
     } else {

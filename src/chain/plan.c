@@ -12,9 +12,10 @@
 /* Where the plan stands. */
 typedef struct planning {
     hdr_run *run;
-    char state[64]; /* what the pixels are */
-    int bits;       /* above 0: quantised to that many */
-    bool foreign;   /* primaries other than Rec.709, not yet converted */
+    hdr_mapper *const *mappers; /* of each clause, or NULL */
+    char state[64];             /* what the pixels are */
+    int bits;                   /* above 0: quantised to that many */
+    bool foreign;               /* primaries other than Rec.709, not yet converted */
     bool converted;
     hdr_facts facts; /* of the pixels as they were when facts were last taken; fresh: as they are now */
     bool fresh;
@@ -71,6 +72,14 @@ static hdr_status convert_primaries(planning *p, hdr_error *err) {
     hdr_say(run->listener, HDR_EXPLAIN, "primaries are converted to Rec.709, white %s",
             adapt ? "adapted to D65" : "left as it is");
     return HDR_OK;
+}
+
+/* Which primaries a mapper has left is known to nobody else: from here on they count as Rec.709's. */
+static void leave_colour(planning *p) {
+    hdr_run_spread(p->run);
+    hdr_luminance_weights(&hdr_rec709, p->run->weights);
+    p->foreign = false;
+    p->converted = true;
 }
 
 /* ---- Clauses ---- */
@@ -184,7 +193,9 @@ static hdr_status resolve(planning *p, int number, const hdr_clause *clause, hdr
     if (status) return status;
     *facts = p->fresh ? p->facts : p->range;
     *step = (hdr_step){.verb = clause->verb, .clause = number, .saturation = 1};
-    hdr_scene scene = {.facts = *facts, .state = p->state};
+    /* a format adds clauses of its own, which have no mapper, behind all others */
+    hdr_scene scene = {
+        .facts = *facts, .state = p->state, .mapper = clause->verb->open ? p->mappers[number - 1] : NULL};
     hdr_request request = request_of(clause);
     const hdr_shot *shot = shot_of(clause);
     if (shot && !hdr_facts_of_shot(shot, &request, &scene.facts))
@@ -215,8 +226,9 @@ static hdr_status plan_clause(planning *p, int number, const hdr_clause *clause,
     hdr_verdict verdict;
     hdr_status status = resolve(p, number, clause, &facts, &step, &verdict, err);
     if (status) return status;
-    bool encodes = step.state[0] && strcmp(step.state, "linear") != 0;
-    if (p->foreign && (encodes || step.bits) && !strcmp(p->state, "linear")) {
+    bool mapped = step.form == HDR_FORM_MAPPED;
+    bool encodes = step.state[0] && strcmp(step.state, "linear") != 0 && !mapped;
+    if (p->foreign && (encodes || step.bits || step.wants_rec709) && !strcmp(p->state, "linear")) {
         /* what the verb was told of is not what will reach it */
         status = convert_primaries(p, err);
         if (!status) status = resolve(p, number, clause, &facts, &step, &verdict, err);
@@ -234,6 +246,7 @@ static hdr_status plan_clause(planning *p, int number, const hdr_clause *clause,
         hdr_say(run->listener, HDR_EXPLAIN, "clause %d (%s): %s", number, name, step.note);
         if (step.form == HDR_FORM_LOCAL) status = provide_surround(p, number, clause, &facts, &step, err);
         if (!status) status = append_step(p, &step, err);
+        if (mapped) leave_colour(p);
         carry_range(p, &step, &facts);
     }
     if (step.state[0]) memcpy(p->state, step.state, sizeof p->state);
@@ -252,7 +265,7 @@ static bool wants_facts(const hdr_chain *chain) {
 
 /* The state that a file claims must be one that can be told in the output. */
 static hdr_status check_state(const char *state, hdr_error *err) {
-    static const char *const known[] = {"linear", "srgb", "rec709", "pq", "hlg"};
+    static const char *const known[] = {"linear", "srgb", "rec709", "pq", "hlg", "ocio"};
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
         if (!strcmp(state, known[i])) return HDR_OK;
     char again[64] = "";
@@ -457,6 +470,24 @@ static hdr_status with_name(hdr_error *err, const hdr_error *own, hdr_input *inp
     return hdr_fail(err, own->status, "%s %s", prefix.message, own->message);
 }
 
+/* What the clauses need beside the picture. Before that is opened: whoever waits for a pipe should not wait in vain. */
+static hdr_status open_mappers(const hdr_chain *chain, hdr_mapper **mappers, hdr_error *err) {
+    for (int i = 0; i < chain->count; i++) {
+        const hdr_clause *clause = &chain->clauses[i];
+        hdr_error own = {0};
+        if (clause->verb->open) mappers[i] = clause->verb->open(clause->params, &own);
+        if (own.status)
+            return hdr_fail(err, own.status, "clause %d (%s): %s", i + 1, clause->verb->about.name, own.message);
+    }
+    return HDR_OK;
+}
+
+static void close_mappers(hdr_mapper **mappers, int count) {
+    for (int i = 0; mappers && i < count; i++)
+        if (mappers[i]) mappers[i]->close(mappers[i]);
+    free(mappers);
+}
+
 /* What is done with a planned chain; NULL: nothing more. */
 typedef hdr_status (*finish)(planning *p, void *context, hdr_error *err);
 
@@ -464,13 +495,15 @@ static hdr_status run_chain(hdr_chain *chain, hdr_input *input, const hdr_listen
                             finish end, void *context, hdr_error *err) {
     hdr_error own = {0};
     hdr_chain *whole = hdr_chain_behind_head(chain, input, &own);
-    hdr_status status = own.status;
+    hdr_mapper **mappers = whole ? hdr_alloc((size_t)whole->count, sizeof(hdr_mapper *)) : NULL;
+    if (whole && !mappers) hdr_fail(&own, HDR_INTERNAL, "out of memory");
+    hdr_status status = own.status ? own.status : open_mappers(whole, mappers, err); /* no fault of the picture */
     if (!status) {
         filtered settings = {listener, chain->common.explain, chain->common.verbose};
         hdr_listener chosen = {say_filtered, &settings};
         hdr_run run;
         status = hdr_run_open(&run, whole, input, listener && listener->say ? &chosen : NULL, &own);
-        planning p = {.run = &run};
+        planning p = {.run = &run, .mappers = mappers};
         run.look = look;
         if (!status) status = plan_filters(&p, &own);
         if (!status && end) status = end(&p, context, &own);
@@ -481,8 +514,9 @@ static hdr_status run_chain(hdr_chain *chain, hdr_input *input, const hdr_listen
         hdr_plane_free(p.luminance);
         hdr_run_close(&run);
     }
+    if (whole) close_mappers(mappers, whole->count);
     hdr_chain_free(whole);
-    return status ? with_name(err, &own, input) : HDR_OK;
+    return own.status ? with_name(err, &own, input) : status;
 }
 
 static hdr_status finish_writing(planning *p, void *context, hdr_error *err) {

@@ -17,6 +17,7 @@ static hdr_status open_threads(hdr_run *run, hdr_error *err) {
     for (int t = 0; t < run->thread_count; t++) {
         run->threads[t].strip = aligned_alloc(64, (sizeof(hdr_strip) + 63) / 64 * 64);
         if (!run->threads[t].strip) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+        run->threads[t].strip->failed = false;
         hdr_status status = run->source->worker_new(run->source, &run->threads[t].worker, err);
         if (status) return status;
     }
@@ -358,6 +359,13 @@ double hdr_milliseconds(void) {
     return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
 }
 
+/* Of mappers, which have no other way to tell. */
+static hdr_status check_strips(const hdr_run *run, hdr_error *err) {
+    for (int t = 0; t < run->thread_count; t++)
+        if (run->threads[t].strip->failed) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+    return HDR_OK;
+}
+
 hdr_status hdr_run_sweep(hdr_run *run, const hdr_sweep *sweep, hdr_error *err) {
     hdr_raw *raw = &run->raw;
     for (;;) {
@@ -367,6 +375,7 @@ hdr_status hdr_run_sweep(hdr_run *run, const hdr_sweep *sweep, hdr_error *err) {
             run->threads[t].watch = (hdr_watch){0};
         hdr_status status = sweep->before(sweep->context, &items, err);
         if (!status) status = hdr_pool_run(run->pool, items, sweep->job, sweep->context, err);
+        if (!status) status = check_strips(run, err);
         if (status) return status;
         hdr_watch met = merge_watches(run);
         bool again = false;

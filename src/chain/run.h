@@ -147,6 +147,10 @@ hdr_status hdr_look_after(const hdr_look *look, const hdr_surroundings *with, do
 /* Makes the source's picture what --alpha says. HDR_BAD_DATA: it cannot be laid over a colour. */
 hdr_status hdr_run_choose_alpha(hdr_run *run, hdr_error *err);
 
+/* A picture of luminance alone becomes one of R, G, B, which are equal until a colour is laid under it, or it is mapped
+ * to one. */
+void hdr_run_spread(hdr_run *run);
+
 /* Whether the picture that is written has pixels outside the data window. */
 bool hdr_run_has_border(const hdr_run *run);
 

@@ -43,6 +43,23 @@ static void load_surround(hdr_strip *strip, const hdr_step *step) {
         hdr_float_to_real(plane->narrow + at, strip->beside, strip->count);
 }
 
+/* ---- Colours as a whole ---- */
+
+/* One plane that stood for three becomes three: what comes may make them differ. */
+static void spread(hdr_strip *strip) {
+    for (; strip->planes < 3; strip->planes++)
+        memcpy(strip->c[strip->planes], strip->c[0], strip->count * sizeof(double));
+}
+
+static void apply_mapper(hdr_strip *strip, const hdr_mapper *mapper) {
+    strip->failed |= !mapper->map(mapper, (double *const[]){strip->c[0], strip->c[1], strip->c[2]}, strip->count);
+    for (int p = 0; p < 3; p++) {
+        for (size_t i = 0; i < strip->count; i++)
+            strip->c[p][i] = isnan(strip->c[p][i]) ? 0 : strip->c[p][i];
+        hdr_hold(strip->c[p], strip->count);
+    }
+}
+
 /* ---- By rows ---- */
 
 /* strip->ld has Ld: C' = (C/Y)^saturation Ld. */
@@ -90,6 +107,9 @@ static void apply_rows(hdr_strip *strip, const hdr_step *step) {
         break;
     case HDR_FORM_MATRIX:
         hdr_matrix_rows(strip->c[0], strip->c[1], strip->c[2], step->matrix, strip->count);
+        break;
+    case HDR_FORM_MAPPED:
+        apply_mapper(strip, step->mapper);
         break;
     }
 }
@@ -140,16 +160,19 @@ static void reference_pixel(const hdr_strip *strip, size_t i, const hdr_step *st
     }
 }
 
+static void apply_reference(hdr_strip *strip, const hdr_step *step) {
+    for (size_t i = 0; i < strip->count; i++)
+        reference_pixel(strip, i, step, (double *[3]){&strip->c[0][i], &strip->c[1][i], &strip->c[2][i]});
+}
+
 void hdr_strip_apply(hdr_strip *strip, const hdr_step *steps, int first, int end, bool reference) {
-    if (!reference) {
-        for (int s = first; s < end; s++)
+    for (int s = first; s < end; s++) {
+        bool mapped = steps[s].form == HDR_FORM_MAPPED;
+        if (mapped || steps[s].form == HDR_FORM_MATRIX) spread(strip);
+        if (reference && !mapped)
+            apply_reference(strip, &steps[s]);
+        else
             apply_rows(strip, &steps[s]);
-        return;
-    }
-    for (size_t i = 0; i < strip->count; i++) {
-        double *pixel[3] = {&strip->c[0][i], &strip->c[1][i], &strip->c[2][i]};
-        for (int s = first; s < end; s++)
-            reference_pixel(strip, i, &steps[s], pixel);
     }
 }
 

@@ -16,6 +16,7 @@ typedef struct hdr_strip {
     size_t count;
     int row, x;           /* of its first pixel in the data window; row -1: the pixels lie outside */
     int place_x, place_y; /* the same in the file's coordinates, wherever it lies */
+    bool failed;          /* a mapper has failed, in this strip or another that this room was used for */
 } hdr_strip;
 
 /* Y of the strip's pixels into strip->y. */

@@ -455,7 +455,8 @@ hdr_status hdr_run_write(hdr_run *run, const hdr_verb *format, const void *param
     bool foreign = picture->planes == 3 && hdr_chromaticities_differ(&picture->chromaticities, &hdr_rec709);
     w.frame.has_chromaticities = picture->has_chromaticities && !converted && (foreign || !format->format->codes);
     w.frame.chromaticities = picture->chromaticities;
-    w.may_be_grey = format->format->codes && !converted;
+    /* nor is one of ocio's, whether it comes from a file or not */
+    w.may_be_grey = format->format->codes && !converted && strcmp(state, "ocio") != 0;
     w.tail = hdr_steps_tail(run->steps, run->step_count);
     w.watched = choose_watched(&w);
     hdr_status status = choose_frame(&w, err);

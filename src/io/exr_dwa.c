@@ -1,25 +1,13 @@
 /* Loading the plug-in for DWAA and DWAB, and handing chunks to it. */
 #include "io/exr_dwa.h"
 
+#include "base/plugin.h"
 #include "io/exr_compression.h"
 #include "plugin/exr_dwa.h"
 
-#include <dlfcn.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
-
-#ifndef HDR_PLUGIN_FOLDER
-#define HDR_PLUGIN_FOLDER "/usr/local/lib/hdrpipe"
-#endif
-
-#define PLUGIN "hdrpipe-exr.so"
-
-enum { LONGEST_PATH = 4096 };
 
 struct hdr_exr_dwa {
-    void *library;
     const hdr_dwa_codec *codec;
     hdr_dwa_channel *channels;
     int channel_count;
@@ -38,64 +26,11 @@ bool hdr_exr_needs_dwa(exr_compression_t compression) {
 
 /* ---- Loading ---- */
 
-/* The folder that the running program is in, with a slash at its end. False: it cannot be told. */
-static bool program_folder(char folder[LONGEST_PATH]) {
-    ssize_t length = readlink("/proc/self/exe", folder, LONGEST_PATH - 1);
-    if (length <= 0 || length >= LONGEST_PATH - 1) return false;
-    folder[length] = '\0';
-    char *slash = strrchr(folder, '/');
-    if (!slash) return false;
-    slash[1] = '\0';
-    return true;
-}
-
-/* Tries one place. complaint keeps what the loader said of a plug-in that is there but cannot be loaded. */
-static void *load_from(const char *folder, const char *below, char *complaint, size_t size) {
-    char path[LONGEST_PATH + 64];
-    int length = snprintf(path, sizeof path, "%s%s/" PLUGIN, folder, below);
-    if (length < 0 || (size_t)length >= sizeof path || access(path, F_OK) != 0) return NULL;
-    /* Never taken out of memory again: the C++ libraries below it are not made for that. */
-    void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-    const char *said = library ? NULL : dlerror();
-    if (said && complaint[0] == '\0') snprintf(complaint, size, "%s", said);
-    return library;
-}
-
-/* Looks where a build leaves it and where it is installed, relative to the program, so that an installation may be
- * moved; then in the folder that was named when hdrpipe was built, for other programs that use the library. */
-static void *load_plugin(char *complaint, size_t size) {
-    char folder[LONGEST_PATH];
-    void *library = NULL;
-    complaint[0] = '\0';
-    if (program_folder(folder)) {
-        library = load_from(folder, "plugin", complaint, size);
-        if (!library) library = load_from(folder, "../lib/hdrpipe", complaint, size);
-    }
-    return library ? library : load_from(HDR_PLUGIN_FOLDER, "", complaint, size);
-}
-
-static hdr_status find_codec(hdr_exr_dwa *dwa, const char *compression, hdr_error *err) {
-    char complaint[400];
-    dwa->library = load_plugin(complaint, sizeof complaint);
-    if (!dwa->library && complaint[0])
-        return hdr_fail(err, HDR_BAD_DATA,
-                        "%s compression needs hdrpipe's plug-in " PLUGIN
-                        ", which cannot be loaded (Debian package libopenexr-3-1-30): %s",
-                        compression, complaint);
-    if (!dwa->library)
-        return hdr_fail(err, HDR_BAD_DATA,
-                        "%s compression needs hdrpipe's plug-in " PLUGIN
-                        ", which is not installed; it is built where the Debian packages g++ and libopenexr-dev are, "
-                        "and runs with libopenexr-3-1-30",
-                        compression);
-    dwa->codec = dlsym(dwa->library, HDR_DWA_SYMBOL);
-    if (!dwa->codec || dwa->codec->interface != HDR_DWA_INTERFACE)
-        return hdr_fail(err, HDR_BAD_DATA,
-                        "%s compression needs hdrpipe's plug-in " PLUGIN
-                        "; the one that is installed belongs to another version of hdrpipe",
-                        compression);
-    return HDR_OK;
-}
+static const hdr_plugin plugin = {.file = "hdrpipe-exr.so",
+                                  .symbol = HDR_DWA_SYMBOL,
+                                  .interface = HDR_DWA_INTERFACE,
+                                  .built_by = "g++ and libopenexr-dev",
+                                  .runs_with = "libopenexr-3-1-30"};
 
 hdr_exr_dwa *hdr_exr_dwa_new(exr_compression_t compression, const exr_attr_chlist_t *channels, hdr_error *err) {
     bool dwaa = compression == EXR_COMPRESSION_DWAA;
@@ -115,16 +50,14 @@ hdr_exr_dwa *hdr_exr_dwa_new(exr_compression_t compression, const exr_attr_chlis
                                              .x_sampling = entry->x_sampling,
                                              .y_sampling = entry->y_sampling};
     }
-    if (find_codec(dwa, dwaa ? "DWAA" : "DWAB", err) != HDR_OK) {
-        hdr_exr_dwa_free(dwa);
-        return NULL;
-    }
-    return dwa;
+    dwa->codec = hdr_plugin_load(&plugin, dwaa ? "DWAA compression" : "DWAB compression", err);
+    if (dwa->codec) return dwa;
+    hdr_exr_dwa_free(dwa);
+    return NULL;
 }
 
 void hdr_exr_dwa_free(hdr_exr_dwa *dwa) {
     if (!dwa) return;
-    if (dwa->library) (void)dlclose(dwa->library); /* gives back a count; nothing is unloaded */
     free(dwa->channels);
     free(dwa);
 }

@@ -41,6 +41,10 @@ hdr_verdict hdr_encoding_step(const hdr_encoding_params *params, const hdr_curve
 
 void hdr_decoding_clause(const char *state, char clause[HDR_CLAUSE_TEXT]) {
     int verb = (int)strcspn(state, " ");
+    if (strcmp(state, "ocio") == 0) {
+        snprintf(clause, HDR_CLAUSE_TEXT, "ocio --from SPACE --to SPACE");
+        return;
+    }
     bool exponent = strncmp(state, "gamma ", 6) == 0;
     snprintf(clause, HDR_CLAUSE_TEXT, "%.*s%s%s --decode", verb, state, exponent ? " --exponent" : "",
              exponent ? state + verb : "");

@@ -79,13 +79,22 @@ typedef struct hdr_local_curve {
     }                                                                                                                  \
     static const hdr_local_curve name = {name##_exact, name##_rows, alone};
 
+/* Something that a verb has opened for a clause, and that maps pixels by means which are not the verb's own. Several
+ * threads use it at the same time. */
+typedef struct hdr_mapper {
+    /* Maps at most HDR_STRIP pixels in place. What is not finite then is repaired. False: memory is out. */
+    bool (*map)(const struct hdr_mapper *mapper, double *const c[3], size_t count);
+    void (*close)(struct hdr_mapper *mapper);
+} hdr_mapper;
+
 /* What a step does with its formula f. */
 typedef enum hdr_form {
     HDR_FORM_CHANNEL,   /* C' = f(C), each colour channel by itself */
     HDR_FORM_LUMINANCE, /* Ld = f(Y), C' = (C/Y)^saturation Ld; 0 where Y <= 0 */
     HDR_FORM_LOCAL,     /* Ld = f(Y, S), S the pixel's surround; C' as above */
     HDR_FORM_PLACED,    /* C' = f(C, t), each colour channel by itself, t the threshold of the pixel's place */
-    HDR_FORM_MATRIX     /* (R',G',B') = M (R,G,B) */
+    HDR_FORM_MATRIX,    /* (R',G',B') = M (R,G,B) */
+    HDR_FORM_MAPPED     /* (R',G',B') = what the mapper makes of (R,G,B); their primaries are its matter from then on */
 } hdr_form;
 
 /* A clause resolved against the facts. */
@@ -98,22 +107,25 @@ typedef struct hdr_step {
     const hdr_plane *surround;    /* HDR_FORM_LOCAL: S of each pixel of the data window; filled by the chain */
     hdr_dither dither;            /* HDR_FORM_PLACED: the thresholds */
     hdr_constants constants;
-    double saturation;   /* HDR_FORM_LUMINANCE, HDR_FORM_LOCAL */
-    bool own_weights;    /* HDR_FORM_LOCAL: luminance[] are the step's own; a pixel is lit if Y is, too */
-    double luminance[3]; /* else weights of Y where the step stands; filled by the chain */
-    double lit[3];       /* weights of Y in any case; filled by the chain */
-    double matrix[9];    /* HDR_FORM_MATRIX, by rows */
-    char state[64];      /* not empty: what the pixels are afterwards, "linear", "srgb", "gamma 2.2" */
-    int bits;            /* above 0: the pixels are quantised to that many bits afterwards */
-    bool of_light;       /* it maps light: of values that are encoded it makes no sense */
-    bool for_display;    /* its result is meant for a display: what lies outside of [0,1] may be cut without a word */
-    char note[240];      /* for --explain: the constants, or the reason of a skip */
+    double saturation;        /* HDR_FORM_LUMINANCE, HDR_FORM_LOCAL */
+    bool own_weights;         /* HDR_FORM_LOCAL: luminance[] are the step's own; a pixel is lit if Y is, too */
+    double luminance[3];      /* else weights of Y where the step stands; filled by the chain */
+    double lit[3];            /* weights of Y in any case; filled by the chain */
+    double matrix[9];         /* HDR_FORM_MATRIX, by rows */
+    const hdr_mapper *mapper; /* HDR_FORM_MAPPED */
+    bool wants_rec709;        /* the same: it takes pixels in Rec.709's primaries, as verbs that encode do */
+    char state[64];           /* not empty: what the pixels are afterwards, "linear", "srgb", "gamma 2.2" */
+    int bits;                 /* above 0: the pixels are quantised to that many bits afterwards */
+    bool of_light;            /* it maps light: of values that are encoded it makes no sense */
+    bool for_display; /* its result is meant for a display: what lies outside of [0,1] may be cut without a word */
+    char note[240];   /* for --explain: the constants, or the reason of a skip */
 } hdr_step;
 
 /* What plan() may know. */
 typedef struct hdr_scene {
     hdr_facts facts;   /* what needs() asked for, and nothing else, or what happens to be known of it beforehand */
     const char *state; /* what the pixels are: "linear", or the encoding's name */
+    const hdr_mapper *mapper; /* what open() has made; NULL in tests of plan() alone */
 } hdr_scene;
 
 typedef enum hdr_verdict {
@@ -185,6 +197,8 @@ struct hdr_verb {
     size_t params_size;
     /* Options that exclude each other, ranges that depend on each other: HDR_USAGE. NULL: nothing to check. */
     hdr_status (*check)(const void *params, const hdr_options *given, hdr_error *err);
+    /* Opens what the clause needs beside the picture, before that is. NULL: nothing. about.stays tells of it. */
+    hdr_mapper *(*open)(const void *params, hdr_error *err);
     /* The facts about its input that plan() needs. NULL: none. Pure. */
     void (*needs)(const void *params, hdr_request *request);
     /* Filters: resolves the parameters. Pure. */

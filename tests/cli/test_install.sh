@@ -32,6 +32,13 @@ if [ -e "$plug_in" ]; then
 else
     skip "there is no $plug_in"
 fi
+plug_in=$BUILD/plugin/hdrpipe-ocio.so
+if [ -e "$plug_in" ]; then
+    check 'that of OpenColorIO is installed' cmp -s "$plug_in" "$root/lib/hdrpipe/hdrpipe-ocio.so"
+    expect_status 0 'it is found, too' "$root/bin/hdr" ocio --list
+else
+    skip "there is no $plug_in"
+fi
 expect_status 0 'hdr runs' "$root/bin/hdr" --version
 check 'it is this hdr' cmp -s "$BUILD/hdr" "$root/bin/hdr"
 version=$(sed 's/^hdrpipe //' "$work/stdout")

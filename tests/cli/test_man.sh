@@ -58,6 +58,8 @@ result() {
         bench) "$hdr" "$verb" "$@" expose "$picture" >"$work/times" && sed 2d "$work/times" | tr -d '0-9.e -' >"$work/result" ;;
         error) "$hdr" "$verb" --against "$picture" "$@" "$picture" >"$work/result" ;;
         noise) "$hdr" "$verb" "$@" "$picture" "$picture" >"$work/result" ;;
+        # without a picture
+        crosscheck) "$hdr" "$verb" "$@" --only=gamma >"$work/result" ;;
         *) "$hdr" "$verb" "$@" "$picture" >"$work/result" ;;
         esac
         ;;
@@ -89,6 +91,9 @@ while read -r verb kind; do
         bench--reference | bench--plot) continue ;; # test_bench.sh is about them
         error--against | error--threshold) continue ;; # test_measure.sh
         noise--sampling-map) continue ;; # test_noise.sh
+        crosscheck--only) continue ;;               # result() gives it
+        # test_ocio.sh is about them
+        ocio--config | ocio--from | ocio--to | ocio--display | ocio--ocio-view | ocio--look | ocio--list) continue ;;
         esac
         case $option in
         --output) continue ;; # test_status.sh is about it

@@ -44,9 +44,9 @@ for verb in $("$hdr" help --list | cut -f 1); do
         # only a value's name stands one space behind the option's
         if printf '%s\n' "$line" | grep -qE -- "--$option [^ ]"; then
             bad_option "$verb" "$option" "$hdr" "$verb" "--$option"
-            case $option in
-            output) ;;
-            part | layer | channel | facts | against | sampling-map) bad_option "$verb" "$option" "$hdr" "$verb" "--$option=" ;; # any other name may be one
+            case $verb-$option in
+            *-output) ;;
+            *-part | *-layer | *-channel | *-facts | *-against | *-sampling-map | ocio-*) bad_option "$verb" "$option" "$hdr" "$verb" "--$option=" ;; # any other name may be one
             *) bad_option "$verb" "$option" "$hdr" "$verb" "--$option=@@" ;;
             esac
         else

@@ -57,10 +57,10 @@ static void check_about(const hdr_verb_about *about) {
     CHECK(about->examples && about->examples[0], "%s: no example", name);
     for (int i = 0; about->examples && about->examples[i]; i++) {
         char as_verb[100], later[100];
-        snprintf(as_verb, sizeof as_verb, "hdr %s ", name);
+        snprintf(as_verb, sizeof as_verb, about->alone ? "hdr %s" : "hdr %s ", name);
         snprintf(later, sizeof later, " then %s ", name);
-        CHECK(!strncmp(about->examples[i], "hdr ", 4) && strstr(about->examples[i], "IN.exr"), "%s: example %s", name,
-              about->examples[i]);
+        CHECK(!strncmp(about->examples[i], "hdr ", 4) && (about->alone || strstr(about->examples[i], "IN.exr")),
+              "%s: example %s", name, about->examples[i]);
         CHECK(!strncmp(about->examples[i], as_verb, strlen(as_verb)) || strstr(about->examples[i], later),
               "%s: not in its example %s", name, about->examples[i]);
     }
@@ -77,6 +77,8 @@ static void test_registry(void) {
         CHECK(hdr_verb_named(about->name) == about, "%s is not found by its name", about->name);
         const hdr_verb *verb = hdr_verb_number(count);
         CHECK(verb && &verb->about == about, "%s: the two registries differ", about->name);
+        CHECK((verb->open != NULL) == about->stays && (!about->stays || about->kind == HDR_FILTER),
+              "%s: a filter that opens what it needs stays", about->name);
         CHECK((verb->plan != NULL) == (about->kind == HDR_FILTER) &&
                   (verb->format != NULL) == (about->kind == HDR_FORMAT),
               "%s: a filter has a plan, a format a format", about->name);

@@ -402,9 +402,9 @@ static void check_ascends(const law_variant *variant, const char *what, const fl
           count ? values[first] : 0);
 }
 
-/* Global curves: those that look at a pixel by itself, and not at its place. */
+/* Global curves: those that look at a pixel by itself, and not at its place, by a formula of their own. */
 static bool is_global(const law_variant *variant, const hdr_step *step) {
-    return !is_spatial(variant) && step->form != HDR_FORM_PLACED;
+    return !is_spatial(variant) && step->form != HDR_FORM_PLACED && step->form != HDR_FORM_MAPPED;
 }
 
 static void test_monotone(void) {

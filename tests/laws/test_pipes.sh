@@ -52,9 +52,14 @@ for a in $filters; do
     done
 done
 
-# every picture, every way in
+# every picture, every way in; what cannot travel sends EXR, so it is the same as by way of a file
 ways() {
-    "$hdr" "$1" then png -o "$work/y.png" "$2" 2>/dev/null
+    if [ "$("$hdr" "$1" "$2" 2>/dev/null | head -c 7 | tr -d '\0')" = hdrpipe ]; then
+        "$hdr" "$1" then png -o "$work/y.png" "$2" 2>/dev/null
+    else
+        "$hdr" "$1" -o "$work/y.exr" "$2" 2>/dev/null
+        "$hdr" png -o "$work/y.png" "$work/y.exr" 2>/dev/null
+    fi
     "$hdr" "$1" <"$2" 2>/dev/null | "$hdr" png >"$work/x.png" 2>/dev/null
     same "$1 < $2" "$work/x.png" "$work/y.png"
     # shellcheck disable=SC2002 # a pipe is what is tried
@@ -64,10 +69,11 @@ ways() {
     same "$1 - < $2 | cat" "$work/x.png" "$work/y.png"
     "$work/bin/hdr-$1" "$2" 2>/dev/null | "$work/bin/hdr-png" -j 1 >"$work/x.png" 2>/dev/null
     same "hdr-$1 $2" "$work/x.png" "$work/y.png"
-    "$work/bin/hdr-$1" : png -j 2 "$2" >"$work/x.png" 2>/dev/null
-    same "hdr-$1 : png" "$work/x.png" "$work/y.png"
     HDR_THREADS=2 "$hdr" "$1" "$2" 2>/dev/null | HDR_THREADS=1 "$hdr" png >"$work/x.png" 2>/dev/null
     same "$1 $2 with other threads" "$work/x.png" "$work/y.png"
+    "$hdr" "$1" then png -o "$work/y.png" "$2" 2>/dev/null
+    "$work/bin/hdr-$1" : png -j 2 "$2" >"$work/x.png" 2>/dev/null
+    same "hdr-$1 : png" "$work/x.png" "$work/y.png"
 }
 
 mkdir "$work/bin"

@@ -29,6 +29,16 @@ same_pixels 'gamma 1 is no identity where the conversion gives negative values' 
 check 'and they are 0 then' test "$(od -An -tf4 -v "$work/plain.pfm" | tr -s ' ' '\n' | grep -c '^-')" -eq 0
 same_pixels 'a range beyond the largest float' "$foreign" divmax : expose --ev 200 : expose --ev -100 : clamp --min 1e10 --max 1e31
 
+# a grey picture of other primaries: facts behind their conversion are those of all three channels
+{ printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nPRIMARIES= 0.7347 0.2653 0 1 0.0001 -0.077 0.3 0.3\n\n-Y 2 +X 2\n'
+    printf '\200\200\200\201\100\100\100\201\200\200\200\200\140\140\140\201'; } >"$work/grey.hdr"
+for verb in divmax "log --per-channel" "expose --auto"; do
+    # shellcheck disable=SC2086
+    same_pixels "log, srgb, $verb of grey in other primaries" "$work/grey.hdr" log : srgb : $verb
+done
+"$hdr" log : srgb : divmax : pfm -q -o "$work/a.pfm" "$work/grey.hdr"
+check 'its largest component is 1 then' test "$(tail -c 48 "$work/a.pfm" | od -An -tf4 -w4 -v | sort -g | tail -n 1 | tr -d ' ')" = 1
+
 # an encoded file of other primaries is converted when it is decoded and encoded again
 "$hdr" srgb --primaries keep -o "$work/encoded.exr" "$foreign" || fail 'encode in other primaries'
 "$hdr" srgb --decode : srgb : pfm -o "$work/again.pfm" "$work/encoded.exr" || fail 'decode and encode'
