@@ -34,6 +34,9 @@ typedef struct cmd_input {
 cmd_input cmd_open_input(const hdr_chain *chain, hdr_error *error);
 void cmd_close_input(cmd_input *opened);
 
+/* The number that an option of the first clause was given as; of a word, 0. */
+double cmd_given_number(const hdr_chain *chain, const char *name, double otherwise);
+
 /* help.c: words after `hdr help`. */
 hdr_status cmd_help(int count, const char *const words[], hdr_error *error);
 void cmd_print_usage(FILE *to);

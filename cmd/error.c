@@ -274,11 +274,6 @@ static hdr_status judge(const measuring *m) {
     return status;
 }
 
-static double given_number(const hdr_chain *chain, const char *name, double otherwise) {
-    const char *text = hdr_chain_given(chain, 1, name);
-    return text ? strtod(text, NULL) : otherwise;
-}
-
 static hdr_status check(const hdr_chain *chain, hdr_error *error) {
     if (hdr_chain_clause(chain, 2)) return cmd_refuse(error, "error compares files: write what a chain makes first");
     if (!hdr_chain_given(chain, 1, "against"))
@@ -295,8 +290,8 @@ hdr_status cmd_error(hdr_chain *chain, hdr_error *error) {
     if (status != HDR_OK) return status;
     const char *const *files = hdr_chain_files(chain), *rank = hdr_chain_given(chain, 1, "rank");
     measuring m = {.chain = chain, .against = hdr_chain_given(chain, 1, "against"), .rank = rank ? rank : "rmse"};
-    m.epsilon = given_number(chain, "epsilon", 0.01);
-    m.peak = given_number(chain, "peak", 0);
+    m.epsilon = cmd_given_number(chain, "epsilon", 0.01);
+    m.peak = cmd_given_number(chain, "peak", 0);
     int count = 0;
     while (files[count])
         count++;

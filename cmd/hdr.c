@@ -194,6 +194,11 @@ void cmd_close_input(cmd_input *opened) {
     cmd_close_files(&opened->members);
 }
 
+double cmd_given_number(const hdr_chain *chain, const char *name, double otherwise) {
+    const char *text = hdr_chain_given(chain, 1, name);
+    return text ? strtod(text, NULL) : otherwise;
+}
+
 /* ---- Running ---- */
 
 /* The output is asked for first: a terminal there is a mistake that must not wait for the input's end. */

@@ -99,22 +99,18 @@ static hdr_status write_map(const hdr_chain *chain, const hdr_noise *noise, hdr_
     return status;
 }
 
-static double given_number(const hdr_chain *chain, const char *name, double otherwise) {
-    const char *text = hdr_chain_given(chain, 1, name);
-    return text ? strtod(text, NULL) : otherwise;
-}
-
 hdr_status cmd_noise(hdr_chain *chain, hdr_error *error) {
     if (hdr_chain_clause(chain, 2)) return cmd_refuse(error, "noise reads files: write what a chain makes first");
     const char *map = hdr_chain_given(chain, 1, "sampling-map");
     hdr_output *output = map ? hdr_output_open(map, error) : NULL;
     if (map && !output) return error->status;
-    double target = given_number(chain, "target", 0);
+    double target = cmd_given_number(chain, "target", 0);
     cmd_inputs opened = cmd_open_files(chain, error);
     hdr_noise noise = {.renders = 0};
-    hdr_status status = opened.count > 0 ? hdr_measure_noise(chain, opened.count, opened.inputs,
-                                                             given_number(chain, "epsilon", 0.01), map, &noise, error)
-                                         : error->status;
+    hdr_status status = opened.count > 0
+                            ? hdr_measure_noise(chain, opened.count, opened.inputs,
+                                                cmd_given_number(chain, "epsilon", 0.01), map, &noise, error)
+                            : error->status;
     if (status == HDR_OK && map) status = write_map(chain, &noise, output, error);
     if (status == HDR_OK && hdr_chain_settings(chain)->json)
         print_json(&noise, target);
