@@ -289,5 +289,8 @@ static hdr_status print_info(hdr_chain *chain, hdr_input *input, const char *nam
 }
 
 hdr_status cmd_info(hdr_chain *chain, hdr_error *error) {
+    if (hdr_chain_joins(chain))
+        return cmd_refuse(error, "info tells what files hold: write what %s makes first",
+                          hdr_chain_clause(chain, 1)->name);
     return cmd_each_file(chain, print_info, error);
 }

@@ -32,6 +32,17 @@ for option in -j1 -j3 --memory=1M; do
     expect_status 0 "mean $option" "$hdr" mean "$option" -o "$work/again.exr" "$work/half.exr" "$work/twice.exr" "$room"
     check "mean $option: the same bytes" cmp -s "$work/mean.exr" "$work/again.exr"
 done
+# renders that are stored in other ways, whose blocks begin elsewhere; and less than all of them
+for compression in none zips zip piz pxr24; do
+    "$hdr" exr --compression "$compression" -o "$work/$compression.exr" testdata/interior.exr
+done
+for words in '' '--crop 10,20,100,77' '--crop 390,290,50,50' '--window data' --reference --no-skip; do
+    # shellcheck disable=SC2086 # words, or none
+    "$hdr" mean $words : pfm -o "$work/all.pfm" "$work/none.exr" "$work/zip.exr" testdata/interior.exr "$work/piz.exr" "$work/zips.exr"
+    # shellcheck disable=SC2086 # words, or none
+    "$hdr" exr $words -o "$work/self.exr" testdata/interior.exr && "$hdr" pfm -o "$work/self.pfm" "$work/self.exr"
+    check "mean of what is stored otherwise, $words" cmp -s "$work/all.pfm" "$work/self.pfm"
+done
 # a chain behind it, in one process and through a pipe
 expect_status 0 'mean then' "$hdr" mean : reinhard : pfm -o "$work/chain.pfm" "$work/half.exr" "$work/twice.exr"
 "$hdr" mean "$work/half.exr" "$work/twice.exr" | "$hdr" reinhard | "$hdr" pfm >"$work/pipe.pfm"
@@ -51,6 +62,7 @@ expect_status 64 'groups without robust' "$hdr" mean --groups 3 -o "$work/x.exr"
 expect_status 64 'a variance of medians' "$hdr" mean --robust median-of-means --show variance -o "$work/x.exr" "$room" "$room"
 expect_status 64 'mean behind a verb' "$hdr" clamp : mean "$room" "$room"
 expect_status 64 'mean twice' "$hdr" mean : mean "$room" "$room"
+expect_status 64 'info of a mean' "$hdr" mean : info "$room" "$room"
 expect_status 64 'bench of a mean' "$hdr" bench mean : durand "$room" "$room"
 expect_status 65 'other sizes' "$hdr" mean -o "$work/x.exr" "$room" "$other"
 check 'other sizes: one line' one_line_with 'not of one form'
