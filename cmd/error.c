@@ -10,6 +10,7 @@ typedef struct tested {
     const char *name;
     hdr_comparison compared;
     double rank, rank_error; /* the figure that it is ranked by, and its standard error */
+    double ssim;             /* with --ssim */
     bool tied;               /* it cannot be told from the one above it */
 } tested;
 
@@ -114,6 +115,10 @@ static void print_figures(const measuring *m, const tested *test, const hdr_erro
     if (peak > 0) printf("  %-8s %-14.6g dB, for a peak of %g\n", "psnr", psnr_of(peak, errors->mse), peak);
 }
 
+static bool wants_ssim(const measuring *m) {
+    return hdr_chain_given(m->chain, 1, "ssim") != NULL;
+}
+
 static void print_test(const measuring *m, const tested *test) {
     const hdr_comparison *c = &test->compared;
     cmd_print_plain(stdout, test->name);
@@ -121,6 +126,7 @@ static void print_test(const measuring *m, const tested *test) {
     cmd_print_plain(stdout, m->against);
     printf("; E = %g\n", c->epsilon);
     print_figures(m, test, &c->all);
+    if (wants_ssim(m)) printf("  %-8s %-14.9g of encoded luma\n", "ssim", test->ssim);
     for (int plane = 0; plane < 4 && hdr_chain_given(m->chain, 1, "by-channel"); plane++) {
         if (!c->present[plane]) continue;
         printf("  channel %s\n", cmd_plane_name(&c->picture, plane));
@@ -176,6 +182,10 @@ static void print_json(const measuring *m, const tested *test) {
     cmd_print_json_number(c->epsilon);
     printf(", ");
     print_json_figures(m, test, &c->all);
+    if (wants_ssim(m)) {
+        printf(", \"ssim\": ");
+        cmd_print_json_number(test->ssim);
+    }
     printf(", \"left_out\": %llu", (unsigned long long)c->left_out);
     if (c->worst_channel >= 0) {
         printf(", \"worst\": {\"error\": ");
@@ -205,12 +215,14 @@ static void print_csv(const measuring *m) {
     printf("file");
     for (size_t i = 0; i < FIGURES; i++)
         printf(",%s", figures[i].name);
-    printf(",left_out\n");
+    printf(wants_ssim(m) ? ",left_out,ssim\n" : ",left_out\n");
     for (int t = 0; t < m->count; t++) {
         cmd_print_csv_text(m->tests[t].name);
         for (size_t i = 0; i < FIGURES; i++)
             printf(",%.17g", figure_of(&m->tests[t].compared.all, &figures[i]));
-        printf(",%llu\n", (unsigned long long)m->tests[t].compared.left_out);
+        printf(",%llu", (unsigned long long)m->tests[t].compared.left_out);
+        if (wants_ssim(m)) printf(",%.17g", m->tests[t].ssim);
+        putchar('\n');
     }
 }
 
@@ -221,6 +233,8 @@ static hdr_status measure_file(measuring *m, const char *name, hdr_error *error)
     hdr_input *input = hdr_input_open(name, error);
     hdr_status status =
         input ? hdr_compare(m->chain, input, m->reference, m->epsilon, &test->compared, error) : error->status;
+    if (status == HDR_OK && wants_ssim(m))
+        status = hdr_compare_structure(m->chain, input, m->reference, &test->ssim, error);
     hdr_input_free(input);
     test->name = name;
     if (status == HDR_OK)

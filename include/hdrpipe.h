@@ -412,6 +412,11 @@ hdr_status hdr_compare(const hdr_chain *chain, hdr_input *test, hdr_input *refer
                        hdr_comparison *out, hdr_error *err);
 void hdr_comparison_free(hdr_comparison *comparison);
 
+/* Structural similarity (Wang et al. 2004) of what a viewer sees: luma of the encoded pictures, held to [0,1]; linear
+ * ones are encoded by sRGB. 1: they are the same. HDR_BAD_DATA: less than 11 x 11 pixels. */
+hdr_status hdr_compare_structure(const hdr_chain *chain, hdr_input *test, hdr_input *reference, double *ssim,
+                                 hdr_error *err);
+
 /* ---- Noise ----------------------------------------------------------------------------------------------------------
  */
 

@@ -8,7 +8,7 @@ typedef struct error_params {
     const char *against, *threshold;
     int rank;
     hdr_number epsilon, peak;
-    bool csv, by_channel;
+    bool csv, by_channel, ssim;
 } error_params;
 
 static const char *const figures[] = {"rmse", "mse", "mae", "mrse", "mape", "smape", NULL};
@@ -52,6 +52,10 @@ static const hdr_option options[] = {
      .offset = offsetof(error_params, threshold),
      .metavar = "FIGURE=VALUE",
      .help = "end with status 1 if a test's figure is above the value"},
+    {.name = "ssim",
+     .type = HDR_OPTION_FLAG,
+     .offset = offsetof(error_params, ssim),
+     .help = "tell the structural similarity of the encoded pictures, too"},
     {.name = "by-channel",
      .type = HDR_OPTION_FLAG,
      .offset = offsetof(error_params, by_channel),

@@ -115,6 +115,10 @@ check 'a clear ranking: what differs can be told apart' test "$(sed -n 3p "$work
 expect_status 0 'csv' "$hdr" error --csv --against "$room" "$work/twice.exr" "$work/half.exr"
 check 'csv: a head and two lines' test "$(wc -l <"$work/stdout")" -eq 3
 check 'csv: as many fields in all' test "$(awk -F , '{ print NF }' "$work/stdout" | sort -u)" = 9
+expect_status 0 'ssim' "$hdr" error --ssim --json --against "$work/srgb.exr" "$work/srgb.exr"
+check 'ssim of a picture and itself' nearly "$(figure ssim "$work/stdout")" 1
+expect_status 0 'ssim in a table' "$hdr" error --ssim --csv --against "$work/srgb.exr" "$work/dim.exr"
+check 'ssim in a table: one field more' test "$(awk -F , '{ print NF }' "$work/stdout" | sort -u)" = 10
 rmse=$("$hdr" error --json --against "$room" "$work/twice.exr" | grep -o '"rmse": [^,]*' | sed 's/.*: //')
 expect_status 0 'threshold: not above' "$hdr" error --threshold "rmse=$rmse" --against "$room" "$work/twice.exr"
 below=$(awk -v r="$rmse" 'BEGIN { printf "%.12g", r * 0.999 }')

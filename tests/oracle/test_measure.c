@@ -2,7 +2,7 @@
  * lanes; and that neither threads nor the order of files matter more than they may. */
 #include "check.h"
 
-#include "hdrpipe.h"
+#include "oracle_renders.h"
 
 #include <float.h>
 #include <math.h>
@@ -11,28 +11,6 @@
 #include <string.h>
 
 /* ---- Pictures ---- */
-
-static uint64_t random_state = 1;
-
-static double random_unit(void) {
-    random_state = random_state * 6364136223846793005u + 1442695040888963407u;
-    uint64_t bits = random_state ^ random_state >> 29;
-    return (double)(bits >> 11) * 0x1p-53;
-}
-
-enum { MOST = 64 };
-
-/* Several pictures of the same form; plane p of picture i is numbers[i] + p * pixels. */
-typedef struct pictures {
-    int width, height, planes, count;
-    float *numbers[MOST];
-} pictures;
-
-static size_t pixels_of(const pictures *p) {
-    return (size_t)p->width * (size_t)p->height;
-}
-
-typedef double (*maker)(int picture, size_t at);
 
 /* Renders of a scene of six decades, noisy, with fireflies. */
 static double render(int picture, size_t at) {
@@ -50,31 +28,6 @@ static double bright(int picture, size_t at) {
 static double signed_small(int picture, size_t at) {
     (void)picture, (void)at;
     return 2e-3 * (random_unit() - 0.5);
-}
-
-static pictures make_pictures(int width, int height, int planes, int count, maker make) {
-    pictures p = {width, height, planes, count, {NULL}};
-    size_t numbers = pixels_of(&p) * (size_t)planes;
-    for (int i = 0; i < count; i++) {
-        p.numbers[i] = malloc(numbers * sizeof(float));
-        if (!p.numbers[i]) abort();
-        for (size_t n = 0; n < numbers; n++)
-            p.numbers[i][n] = (float)make(i, n);
-    }
-    return p;
-}
-
-static void free_pictures(pictures *p) {
-    for (int i = 0; i < p->count; i++)
-        free(p->numbers[i]);
-}
-
-static hdr_input *open_picture(const pictures *p, int i) {
-    const float *plane[3] = {p->numbers[i], p->numbers[i] + pixels_of(p), p->numbers[i] + 2 * pixels_of(p)};
-    hdr_error error = {0};
-    hdr_input *input = hdr_input_planes(p->width, p->height, p->planes, plane, NULL, &error);
-    if (!input) abort();
-    return input;
 }
 
 /* ---- What the library makes ---- */
