@@ -63,4 +63,10 @@ bench: all $(BUILD)/tests/bench/scales
 	BUILD=$(BUILD) sh tests/bench/ocio.sh $(FILE)
 	$(BUILD)/tests/bench/scales
 
+# Run time against error, drawn for verbs that compute something around a pixel and for curves: build/error-*.svg
+.PHONY: bench-error
+bench-error: all
+	for f in interior glossy; do for v in durand 'reinhard --local' reinhard log srgb pq; do \
+	    $(PROGRAM) bench --plot "$(BUILD)/error-$$f-$$(echo $$v | tr -d ' ').svg" $$v testdata/$$f.exr || exit 1; done; done
+
 include tests/oracle/oracle.mk

@@ -127,6 +127,7 @@ static void close_source(hdr_source *base) {
     join_source *source = (join_source *)base;
     hdr_close_alike(source->joining.pictures, source->members);
     free(source->seen);
+    free(source->joining.weights);
     free(source);
 }
 
@@ -153,6 +154,7 @@ static void describe(join_source *source) {
 hdr_source *hdr_join_open(hdr_input *input, const hdr_reading *reading, const hdr_joining *joining, hdr_error *err) {
     join_source *source = hdr_alloc(1, sizeof *source);
     if (!source) {
+        free(joining->weights);
         hdr_fail(err, HDR_INTERNAL, "out of memory");
         return NULL;
     }

@@ -13,13 +13,14 @@ typedef struct hdr_joining {
     const void *params;
     int pictures;
     int slots;
-    bool alpha; /* that is joined, too; else the result has none */
+    bool alpha;      /* that is joined, too; else the result has none */
+    double *weights; /* of each picture, or NULL: all count alike; the source frees them */
     void (*add)(const struct hdr_joining *joining, int picture, const double *values, double *state, size_t count);
     void (*end)(const struct hdr_joining *joining, const double *state, double *out, size_t count);
 } hdr_joining;
 
 /* The picture that the members of a joined input become. It is float; all that is not numbers it has from the first.
- * HDR_BAD_DATA: they are not of one form. */
+ * It takes the weights over, in any case. HDR_BAD_DATA: they are not of one form. */
 hdr_source *hdr_join_open(hdr_input *input, const hdr_reading *reading, const hdr_joining *joining, hdr_error *err);
 
 /* Components that were neither finite nor counted, of all blocks read so far, each once. */

@@ -11,6 +11,7 @@ enum { MOST_GROUPS = 31 };
 typedef struct mean_params {
     int show, robust;
     hdr_number groups;
+    const char *weights;
 } mean_params;
 
 enum { SHOW_MEAN, SHOW_VARIANCE, SHOW_DEVIATION, SHOW_MEAN_VARIANCE, SHOW_MEAN_DEVIATION };
@@ -26,6 +27,12 @@ static const hdr_option options[] = {
      .words = shows,
      .default_value = "mean",
      .help = "the mean; variance or standard deviation of one render; or those of the mean"},
+    {.name = "weights",
+     .type = HDR_OPTION_TEXT,
+     .offset = offsetof(mean_params, weights),
+     .metavar = "W,W,...",
+     .default_value = "equal",
+     .help = "a number above 0 for each file, such as its samples per pixel; equal: all count alike"},
     {.name = "robust",
      .type = HDR_OPTION_CHOICE,
      .offset = offsetof(mean_params, robust),
@@ -43,11 +50,42 @@ static const hdr_option options[] = {
      .help = "of --robust: render number i belongs to group i modulo G"},
     {0}};
 
+/* The number in front of *text, which is moved behind it and the comma. False: there is none above 0. */
+static bool take_weight(const char **text, double *weight) {
+    char digits[64];
+    size_t length = strcspn(*text, ",");
+    if (length >= sizeof digits) return false;
+    memcpy(digits, *text, length);
+    digits[length] = '\0';
+    const char *end = hdr_read_number(digits, weight);
+    if (!end || *end || !(*weight > 0 && *weight <= 1e30)) return false;
+    *text += length;
+    return true;
+}
+
+/* How many weights a text has; -1: it is none. */
+static int count_weights(const char *text, double *weights) {
+    for (int count = 1;; count++, text++) {
+        double weight;
+        if (!take_weight(&text, &weight)) return -1;
+        if (weights) weights[count - 1] = weight;
+        if (!*text) return count;
+    }
+}
+
+static bool is_weighted(const mean_params *p) {
+    return strcmp(p->weights, "equal") != 0;
+}
+
 static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
     const mean_params *p = params;
     for (int i = 0; i < given->count; i++)
         if (!strcmp(given->given[i].option->name, "groups") && p->robust == ROBUST_NONE)
             return hdr_fail(err, HDR_USAGE, "--groups has no meaning without --robust median-of-means");
+    if (is_weighted(p) && count_weights(p->weights, NULL) < 0)
+        return hdr_refuse_text(options, "weights", p->weights, "is no list of numbers above 0", err);
+    if (is_weighted(p) && (p->robust != ROBUST_NONE || p->show != SHOW_MEAN))
+        return hdr_fail(err, HDR_USAGE, "--weights are for the plain mean alone");
     if (p->robust != ROBUST_NONE && p->show != SHOW_MEAN)
         return hdr_fail(err, HDR_USAGE, "--robust has a mean only, no %s", shows[p->show]);
     return HDR_OK;
@@ -77,6 +115,30 @@ HDR_VERSIONS_IN(static, add_moments, (const double *values, double *state, size_
 static void add(const hdr_joining *joining, int picture, const double *values, double *state, size_t count) {
     (void)joining, (void)picture;
     add_moments(values, state, count);
+}
+
+/* The same of a number that counts `weight` times: West, Updating Mean and Variance Estimates, Communications of the
+ * ACM 22(9), 1979. state: their weights so far, and the mean. */
+HDR_INLINE void add_weighted_body(const double *values, double weight, double *state, size_t count) {
+    double *n = state + COUNT * HDR_STRIP, *mean = state + MEAN * HDR_STRIP;
+    for (size_t i = 0; i < count; i++) {
+        bool finite = values[i] - values[i] == 0;
+        double more = finite ? n[i] + weight : n[i];
+        mean[i] += finite ? (values[i] - mean[i]) * (weight / more) : 0;
+        n[i] = more;
+    }
+}
+HDR_VERSIONS_IN(static, add_weighted, (const double *values, double weight, double *state, size_t count),
+                (values, weight, state, count))
+
+static void add_by_weight(const hdr_joining *joining, int picture, const double *values, double *state, size_t count) {
+    add_weighted(values, joining->weights[picture], state, count);
+}
+
+static void end_weighted(const hdr_joining *joining, const double *state, double *out, size_t count) {
+    (void)joining;
+    for (size_t i = 0; i < count; i++)
+        out[i] = state[COUNT * HDR_STRIP + i] > 0 ? state[MEAN * HDR_STRIP + i] : NAN;
 }
 
 /* Of what a number is made that no render has: NaN, which reading repairs and counts. */
@@ -158,6 +220,18 @@ static hdr_status join(const void *params, hdr_joining *joining, hdr_error *err)
     if (p->show != SHOW_MEAN && joining->pictures < 2)
         return hdr_fail(err, HDR_USAGE, "one render has no %s: name several", shows[p->show]);
     joining->alpha = true;
+    if (is_weighted(p)) {
+        if (count_weights(p->weights, NULL) != joining->pictures)
+            return hdr_fail(err, HDR_USAGE, "--weights has %d numbers, and there are %d files",
+                            count_weights(p->weights, NULL), joining->pictures);
+        joining->weights = hdr_alloc((size_t)joining->pictures, sizeof *joining->weights);
+        if (!joining->weights) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+        count_weights(p->weights, joining->weights);
+        joining->slots = MOMENTS;
+        joining->add = add_by_weight;
+        joining->end = end_weighted;
+        return HDR_OK;
+    }
     joining->slots = grouped ? groups * GROUP_MOMENTS : MOMENTS;
     joining->add = grouped ? add_grouped : add;
     joining->end = grouped ? end_grouped : end;
@@ -165,6 +239,7 @@ static hdr_status join(const void *params, hdr_joining *joining, hdr_error *err)
 }
 
 static const char *const examples[] = {"hdr mean -o OUT.exr IN.exr IN.exr",
+                                       "hdr mean --weights 16,64 -o OUT.exr IN.exr IN.exr",
                                        "hdr mean --show mean-deviation -o OUT.exr IN.exr IN.exr IN.exr",
                                        "hdr mean then reinhard then png -o OUT.png IN.exr IN.exr", NULL};
 
@@ -180,6 +255,9 @@ const hdr_verb hdr_verb_mean = {
                   "no more than the last bit. Components that are NaN or infinite are left out, and counted on "
                   "standard error. All files are read once, together, block by block: memory does not grow with the "
                   "pictures.\n\n"
+                  "--weights 16,64,64 is for renders of different length: each component is the sum of weight times "
+                  "number, divided by "
+                  "the weights' sum.\n\n"
                   "--show variance is that of one render, M2 / (n - 1), and deviation its root, the standard "
                   "deviation; mean-variance and mean-deviation are those of the mean of all n: variance / n, and its "
                   "root. They need two renders, and hold no matter how bright a pixel is (sums of squares would lose "

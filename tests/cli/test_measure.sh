@@ -52,6 +52,18 @@ check 'mean puts pixels on a pipe' is_exr "$work/start"
 "$hdr" mean - "$work/twice.exr" <"$work/half.exr" >"$work/stdin.exr"
 "$hdr" mean "$work/half.exr" "$work/twice.exr" >"$work/named.exr"
 check 'mean of standard input and a file' cmp -s "$work/stdin.exr" "$work/named.exr"
+# (1 x 0.5 + 3 x 2) / 4 = 1.625
+"$hdr" mean --weights 1,3 -o "$work/weighted.exr" "$work/half.exr" "$work/twice.exr"
+"$hdr" expose --ev 0.7004397181410922 -o "$work/wanted.exr" "$room"
+"$hdr" error --json --against "$work/wanted.exr" "$work/weighted.exr" >"$work/json"
+check 'weights' awk -v e="$(figure smape "$work/json")" 'BEGIN { exit !(e != "" && e < 1e-6) }'
+"$hdr" mean --weights 2,2,2 -o "$work/weighted.exr" "$work/half.exr" "$work/twice.exr" "$room"
+"$hdr" error --json --against "$work/mean.exr" "$work/weighted.exr" >"$work/json"
+check 'equal weights' awk -v e="$(figure smape "$work/json")" 'BEGIN { exit !(e != "" && e < 1e-7) }'
+for weights in '' 1 1,2,3 1,, 1,0 1,-2 a,b 1,2, ; do
+    expect_status 64 "--weights '$weights'" "$hdr" mean --weights "$weights" -o "$work/x.exr" "$room" "$room"
+done
+expect_status 64 'weights and a variance' "$hdr" mean --weights 1,2 --show variance -o "$work/x.exr" "$room" "$room"
 # two numbers a and b: the variance is (a - b)^2 / 2
 "$hdr" mean --show variance : stats --json "$work/half.exr" "$work/twice.exr" >"$work/variance"
 "$hdr" diff --kind squared --exaggerate 0.5 : stats --json "$work/half.exr" "$work/twice.exr" >"$work/squares"
