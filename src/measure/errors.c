@@ -196,6 +196,8 @@ static void close_all(comparing *c) {
 
 hdr_status hdr_compare(const hdr_chain *chain, hdr_input *test, hdr_input *reference, double epsilon,
                        hdr_comparison *out, hdr_error *err) {
+    hdr_error unheard = {0};
+    if (!err) err = &unheard;
     comparing c = {.epsilon = epsilon};
     *out = (hdr_comparison){.epsilon = epsilon};
     hdr_reading reading = hdr_chain_reading(chain);
@@ -212,6 +214,7 @@ hdr_status hdr_compare(const hdr_chain *chain, hdr_input *test, hdr_input *refer
 }
 
 void hdr_comparison_free(hdr_comparison *comparison) {
+    if (!comparison) return;
     free(comparison->tile_error);
     comparison->tile_error = NULL;
 }

@@ -272,6 +272,8 @@ static void close_all(measuring *m) {
 
 hdr_status hdr_measure_noise(const hdr_chain *chain, int count, hdr_input *const inputs[], double epsilon, bool share,
                              hdr_noise *out, hdr_error *err) {
+    hdr_error unheard = {0};
+    if (!err) err = &unheard;
     measuring m = {.renders = count, .epsilon = epsilon};
     *out = (hdr_noise){.renders = count};
     if (count < 2) return hdr_fail(err, HDR_USAGE, "noise is what renders differ by: name two or more");
@@ -294,6 +296,7 @@ hdr_status hdr_measure_noise(const hdr_chain *chain, int count, hdr_input *const
 }
 
 void hdr_noise_free(hdr_noise *noise) {
+    if (!noise) return;
     free(noise->share);
     noise->share = NULL;
 }

@@ -138,6 +138,8 @@ static hdr_status compare(comparing *c, int threads, double *ssim, hdr_error *er
 
 hdr_status hdr_compare_structure(const hdr_chain *chain, hdr_input *test, hdr_input *reference, double *ssim,
                                  hdr_error *err) {
+    hdr_error unheard = {0};
+    if (!err) err = &unheard;
     comparing c = {.x = {.width = 0}};
     hdr_status status = make_luma(chain, test, &c.x, err);
     if (status == HDR_OK) status = make_luma(chain, reference, &c.y, err);
