@@ -78,7 +78,6 @@ static hdr_status convert_primaries(planning *p, hdr_error *err) {
 static void change_primaries(planning *p, int number, const hdr_step *step) {
     hdr_run *run = p->run;
     hdr_picture *picture = &run->source->picture;
-    hdr_run_spread(run);
     if (!step->primaries && !strcmp(step->state, "linear"))
         hdr_say(run->listener, HDR_NOTE,
                 "clause %d (%s): which primaries its colours have is not known: they count as Rec.709's from here on",
@@ -268,6 +267,7 @@ static hdr_status plan_clause(planning *p, int number, const hdr_clause *clause,
         hdr_say(run->listener, HDR_EXPLAIN, "clause %d (%s): %s", number, name, step.note);
         if (step.form == HDR_FORM_LOCAL) status = provide_surround(p, number, clause, &facts, &step, err);
         if (!status) status = append_step(p, &step, err);
+        if (mapped) hdr_run_spread(run);
         if (mapped && step.state[0]) change_primaries(p, number, &step);
         carry_range(p, &step, &facts);
     }
