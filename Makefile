@@ -49,8 +49,8 @@ endif
 OPENEXR_CXX_HEADER := $(wildcard $(shell pkg-config --variable=includedir OpenEXR 2>/dev/null)/OpenEXR/ImfHeader.h)
 OCIO_HEADER := $(wildcard $(shell pkg-config --variable=includedir OpenColorIO 2>/dev/null)/OpenColorIO/OpenColorIO.h)
 HAVE_CXX := $(shell command -v $(CXX))
-PLUGINS := $(if $(HAVE_CXX),$(if $(OPENEXR_CXX_HEADER),$(BUILD)/plugin/hdrpipe-exr.so) \
-    $(if $(OCIO_HEADER),$(BUILD)/plugin/hdrpipe-ocio.so))
+PLUGINS := $(strip $(if $(HAVE_CXX),$(if $(OPENEXR_CXX_HEADER),$(BUILD)/plugin/hdrpipe-exr.so) \
+    $(if $(OCIO_HEADER),$(BUILD)/plugin/hdrpipe-ocio.so)))
 # clang's sanitizers only see exceptions where the program brings the C++ library along
 LIBS += $(if $(and $(SAN),$(findstring clang,$(CC))),-Wl$(comma)--push-state$(comma)--no-as-needed -lstdc++ -Wl$(comma)--pop-state)
 # vptr: its runtime is for C++ programs alone
@@ -67,7 +67,7 @@ VERBS := $(shell sed -n 's/^HDR_VERB(\(.*\))/\1/p' src/verb/verbs.def)
 
 all: $(PROGRAM) $(PLUGINS)
 	@$(if $(findstring exr.so,$(PLUGINS)),:,echo 'no C++ compiler, or no C++ headers of OpenEXR: built without DWAA and DWAB')
-	@$(if $(findstring ocio.so,$(PLUGINS)),:,echo 'no C++ compiler, or no headers of OpenColorIO: built without the verb ocio')
+	@$(if $(findstring ocio.so,$(PLUGINS)),:,echo 'no C++ compiler, or no headers of OpenColorIO: built without the verbs ocio and crosscheck')
 
 # ---- What is needed ----
 

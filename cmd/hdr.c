@@ -241,6 +241,8 @@ static int listing_clause(const hdr_chain *chain) {
 static hdr_status run_chain(hdr_chain *chain, hdr_error *error) {
     const hdr_verb_about *verb = chosen_verb(chain);
     const char *const *files = hdr_chain_files(chain);
+    if (listing_clause(chain) && verb->kind == HDR_PROGRAM)
+        return cmd_refuse(error, "--list prints names and makes no picture: leave %s out", verb->name);
     for (size_t i = 0; i < sizeof programs / sizeof *programs; i++)
         if (strcmp(verb->name, programs[i].name) == 0) return run_program(&programs[i], chain, error);
     if (listing_clause(chain)) return cmd_ocio_list(chain, listing_clause(chain), error);

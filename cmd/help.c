@@ -409,6 +409,14 @@ static const char hdr_environment[] = ".Sh ENVIRONMENT\n"
                                       "If\n"
                                       ".Cm 0 ,\n"
                                       "a chain without a format puts OpenEXR pixels on a pipe, too.\n"
+                                      ".It Ev OCIO\n"
+                                      "The configuration of\n"
+                                      ".Xr hdr-ocio 1\n"
+                                      "where\n"
+                                      ".Fl Fl config\n"
+                                      "is not given.\n"
+                                      "OpenColorIO looks at OCIO_ACTIVE_DISPLAYS, OCIO_ACTIVE_VIEWS and\n"
+                                      "OCIO_OPTIMIZATION_FLAGS, too.\n"
                                       ".El\n";
 
 static const char *const hdr_examples[] = {"hdr log then png -o OUT.png IN.exr",

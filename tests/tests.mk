@@ -11,6 +11,7 @@ OCIO_TEST := $(BUILD)/tests/oracle/test_ocio
 CXX_TEST_PROGRAMS = $(if $(HAVE_CXX),$(filter-out $(OCIO_TEST),$(CXX_TEST_SOURCES:%.cc=$(BUILD)/%))) \
     $(if $(findstring ocio.so,$(PLUGINS)),$(OCIO_TEST))
 $(OCIO_TEST): LIBS += $(OCIO_LIBS)
+$(OCIO_TEST): CXX_FLAGS += $(OCIO_CXXFLAGS)
 TEST_SCRIPTS := $(wildcard tests/cli/test_*.sh tests/laws/test_*.sh)
 
 $(BUILD)/tests/%: tests/%.c $(LIBRARY) $(BUILD)/flags

@@ -321,6 +321,7 @@ hdr_status hdr_crosscheck(const char *verb, int threads, hdr_agreement agreement
                         "there is nothing to compare of '%.100s': it may be a verb that encodes, or "
                         "primaries",
                         verb ? verb : "");
+    if (hdr_ocio_check(err)) return HDR_BAD_DATA;
     hdr_pool *pool = hdr_pool_new(threads < t.count ? threads : t.count, &own);
     if (pool) hdr_pool_run(pool, t.count, do_task, &t, &own);
     hdr_pool_free(pool);

@@ -74,12 +74,21 @@ static hdr_status convert_primaries(planning *p, hdr_error *err) {
     return HDR_OK;
 }
 
-/* Which primaries a mapper has left is known to nobody else: from here on they count as Rec.709's. */
-static void leave_colour(planning *p) {
-    hdr_run_spread(p->run);
-    hdr_luminance_weights(&hdr_rec709, p->run->weights);
-    p->foreign = false;
-    p->converted = true;
+/* From here on the picture has the primaries that the step leaves, or Rec.709's, where these are not known. */
+static void change_primaries(planning *p, int number, const hdr_step *step) {
+    hdr_run *run = p->run;
+    hdr_picture *picture = &run->source->picture;
+    if (!step->primaries && !strcmp(step->state, "linear"))
+        hdr_say(run->listener, HDR_NOTE,
+                "clause %d (%s): which primaries its colours have is not known: they count as Rec.709's from here on",
+                number, step->verb->about.name);
+    picture->chromaticities = step->primaries ? *step->primaries : hdr_rec709;
+    picture->has_chromaticities = hdr_chromaticities_differ(&picture->chromaticities, &hdr_rec709);
+    picture->has_neutral = false;
+    hdr_luminance_weights(&picture->chromaticities, run->weights);
+    p->foreign = picture->has_chromaticities && run->chain->common.primaries != HDR_PRIMARIES_KEEP;
+    p->converted = false;
+    run->mapped = true;
 }
 
 /* ---- Clauses ---- */
@@ -218,6 +227,16 @@ static void report_encoded(const planning *p, int number, const char *name) {
             name, p->state, clause, name);
 }
 
+/* What is linear, as far as its file tells, may be encoded all the same. */
+static void report_other_state(const planning *p, int number, const char *name, const char *decodes) {
+    char clause[HDR_CLAUSE_TEXT];
+    if (!strcmp(p->state, "linear") || !strcmp(p->state, decodes)) return;
+    hdr_decoding_clause(p->state, clause);
+    hdr_say(p->run->listener, HDR_NOTE,
+            "clause %d (%s): it decodes %s, and the picture is encoded by another curve (%s): %s", number, name,
+            decodes, p->state, clause);
+}
+
 static hdr_status plan_clause(planning *p, int number, const hdr_clause *clause, hdr_error *err) {
     hdr_run *run = p->run;
     const char *name = clause->verb->about.name;
@@ -235,6 +254,8 @@ static hdr_status plan_clause(planning *p, int number, const hdr_clause *clause,
         if (status) return status;
     }
     if (step.of_light) report_encoded(p, number, name);
+    if (step.decodes[0]) report_other_state(p, number, name, step.decodes);
+    if (mapped) run->light_steps = -1; /* what was encoded in front of it is something else now */
     if (encodes && run->light_steps < 0) run->light_steps = run->step_count;
     if (step.for_display) run->scene_light = false;
     if (step.bits && !encodes && !strcmp(p->state, "linear"))
@@ -246,7 +267,8 @@ static hdr_status plan_clause(planning *p, int number, const hdr_clause *clause,
         hdr_say(run->listener, HDR_EXPLAIN, "clause %d (%s): %s", number, name, step.note);
         if (step.form == HDR_FORM_LOCAL) status = provide_surround(p, number, clause, &facts, &step, err);
         if (!status) status = append_step(p, &step, err);
-        if (mapped) leave_colour(p);
+        if (mapped) hdr_run_spread(run);
+        if (mapped && step.state[0]) change_primaries(p, number, &step);
         carry_range(p, &step, &facts);
     }
     if (step.state[0]) memcpy(p->state, step.state, sizeof p->state);
@@ -268,10 +290,14 @@ static hdr_status check_state(const char *state, hdr_error *err) {
     static const char *const known[] = {"linear", "srgb", "rec709", "pq", "hlg", "ocio"};
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
         if (!strcmp(state, known[i])) return HDR_OK;
-    char again[64] = "";
-    double exponent = strncmp(state, "gamma ", 6) ? 0 : strtod(state + 6, NULL);
-    if (exponent > 0 && isfinite(exponent)) snprintf(again, sizeof again, "gamma %.15g", exponent);
-    if (!strcmp(state, again)) return HDR_OK;
+    static const char *const numbered[] = {"gamma ", "pq "};
+    for (size_t i = 0; i < sizeof numbered / sizeof numbered[0]; i++) {
+        char again[64] = "";
+        size_t length = strlen(numbered[i]);
+        double number = strncmp(state, numbered[i], length) ? 0 : strtod(state + length, NULL);
+        if (number > 0 && isfinite(number)) snprintf(again, sizeof again, "%s%.15g", numbered[i], number);
+        if (!strcmp(state, again)) return HDR_OK;
+    }
     return hdr_fail(err, HDR_BAD_DATA, "its hdrpipeState is '%s', which this program (%s) does not know", state,
                     HDRPIPE_VERSION);
 }

@@ -362,7 +362,8 @@ double hdr_milliseconds(void) {
 /* Of mappers, which have no other way to tell. */
 static hdr_status check_strips(const hdr_run *run, hdr_error *err) {
     for (int t = 0; t < run->thread_count; t++)
-        if (run->threads[t].strip->failed) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+        if (run->threads[t].strip->failed)
+            return hdr_fail(err, HDR_INTERNAL, "a colour transform has failed: memory may be out");
     return HDR_OK;
 }
 

@@ -57,6 +57,7 @@ typedef struct hdr_run {
     hdr_raw raw;
     hdr_step *steps; /* those resolved so far, skipped ones left out */
     int step_count;
+    bool mapped;           /* by a step that makes three planes of any, with primaries of its own */
     bool scene_light;      /* what the steps make is a scene's light, without bounds, or the code of it */
     int light_steps;       /* the steps in front of the first that encodes; -1: none does */
     double cut;            /* the largest component of such light that was cut to a code; 0: none was */

@@ -86,14 +86,15 @@ static void fill_half_codes(writing *w) {
 }
 
 /* What else than pixels the file is to hold. */
-static hdr_status add_attributes(writing *w, bool converted, hdr_error *err) {
+static hdr_status add_attributes(writing *w, const char *state, bool converted, hdr_error *err) {
     const hdr_run *run = w->run;
     const hdr_chain *chain = run->chain;
     const hdr_format *format = w->format->format;
     if (!format->attributes) return HDR_OK;
     bool recorded = format->records && format->records(w->params);
     hdr_exr_fate fate = {.altered = chain->count > 0 && chain->clauses[0].verb->about.kind == HDR_FILTER,
-                         .converted = converted,
+                         .converted = converted || run->mapped,
+                         .encoded = strcmp(state, "linear") != 0,
                          .cropped = chain->common.crop != NULL,
                          .recorded = recorded};
     int left_out = 0;
@@ -456,11 +457,11 @@ hdr_status hdr_run_write(hdr_run *run, const hdr_verb *format, const void *param
     w.frame.has_chromaticities = picture->has_chromaticities && !converted && (foreign || !format->format->codes);
     w.frame.chromaticities = picture->chromaticities;
     /* nor is one of ocio's, whether it comes from a file or not */
-    w.may_be_grey = format->format->codes && !converted && strcmp(state, "ocio") != 0;
+    w.may_be_grey = format->format->codes && !converted && !run->mapped && strcmp(state, "ocio") != 0;
     w.tail = hdr_steps_tail(run->steps, run->step_count);
     w.watched = choose_watched(&w);
     hdr_status status = choose_frame(&w, err);
-    if (!status) status = add_attributes(&w, converted, err);
+    if (!status) status = add_attributes(&w, state, converted, err);
     bool table = w.frame.sample == HDR_SAMPLE_U8 && !run->settings.reference && !run->settings.no_skip;
     if (!status && table) {
         w.table = hdr_alloc(1, sizeof *w.table);

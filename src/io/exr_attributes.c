@@ -109,6 +109,7 @@ static bool goes_along(const char *name, hdr_exr_fate fate) {
     if (is_one_of(never, sizeof never / sizeof never[0], name)) return false;
     if (fate.cropped && is_one_of(of_frame, sizeof of_frame / sizeof of_frame[0], name)) return false;
     if (fate.converted && !strcmp(name, "adoptedNeutral")) return false;
+    if ((fate.converted || fate.encoded) && !strcmp(name, "colorInteropID")) return false;
     if (!fate.recorded && !strcmp(name, HDR_EXR_RECORD)) return false;
     return !(fate.altered && !strcmp(name, "whiteLuminance"));
 }

@@ -13,6 +13,7 @@
 typedef struct hdr_exr_fate {
     bool altered;   /* its values are not the file's */
     bool converted; /* nor are its primaries */
+    bool encoded;   /* its values follow a curve now */
     bool cropped;   /* its frame is not the file's */
     bool recorded;  /* what becomes of it is added to the record of what was */
 } hdr_exr_fate;

@@ -139,7 +139,7 @@ static uint8_t primaries_code(const hdr_frame *frame) {
 
 /* ITU-T H.273's code for a transfer function that only cICP can name; 0: none. */
 static uint8_t transfer_code(const char *state) {
-    return strcmp(state, "rec709") == 0 ? 1 : strcmp(state, "pq") == 0 ? 16 : strcmp(state, "hlg") == 0 ? 18 : 0;
+    return strcmp(state, "rec709") == 0 ? 1 : strncmp(state, "pq", 2) == 0 ? 16 : strcmp(state, "hlg") == 0 ? 18 : 0;
 }
 
 static void write_coding_points(png_sink *self, uint8_t transfer) {

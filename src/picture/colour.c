@@ -4,6 +4,10 @@
 #include <string.h>
 
 const hdr_chromaticities hdr_rec709 = {{0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}, {0.3127, 0.3290}};
+const hdr_chromaticities hdr_aces_ap0 = {{0.7347, 0.2653}, {0, 1}, {0.0001, -0.077}, {0.32168, 0.33767}};
+const hdr_chromaticities hdr_aces_ap1 = {{0.713, 0.293}, {0.165, 0.83}, {0.128, 0.044}, {0.32168, 0.33767}};
+const hdr_chromaticities hdr_p3_d65 = {{0.68, 0.32}, {0.265, 0.69}, {0.15, 0.06}, {0.3127, 0.3290}};
+const hdr_chromaticities hdr_rec2020 = {{0.708, 0.292}, {0.17, 0.797}, {0.131, 0.046}, {0.3127, 0.3290}};
 const hdr_chromaticities hdr_cie_xyz = {{1, 0}, {0, 1}, {0, 0}, {1 / 3.0, 1 / 3.0}};
 
 bool hdr_chromaticities_differ(const hdr_chromaticities *a, const hdr_chromaticities *b) {

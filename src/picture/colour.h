@@ -7,6 +7,10 @@
 extern const hdr_chromaticities hdr_rec709;
 extern const hdr_chromaticities hdr_cie_xyz; /* X, Y and Z themselves as primaries; white where they are equal */
 
+extern const hdr_chromaticities hdr_aces_ap0, hdr_aces_ap1; /* SMPTE ST 2065-1:2012; Academy S-2014-004 */
+extern const hdr_chromaticities hdr_p3_d65;                 /* SMPTE EG 432-1:2010 */
+extern const hdr_chromaticities hdr_rec2020;                /* ITU-R BT.2020-2 */
+
 /* True where some coordinate differs by more than 1e-5. */
 bool hdr_chromaticities_differ(const hdr_chromaticities *a, const hdr_chromaticities *b);
 

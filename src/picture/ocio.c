@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static const hdr_ocio_table *load(hdr_error *err) {
     static const hdr_plugin plugin = {.file = "hdrpipe-ocio.so",
@@ -16,15 +17,22 @@ static const hdr_ocio_table *load(hdr_error *err) {
     return hdr_plugin_load(&plugin, "OpenColorIO", err);
 }
 
+hdr_status hdr_ocio_check(hdr_error *err) {
+    return load(err) ? HDR_OK : HDR_BAD_DATA;
+}
+
 /* ---- Configurations ---- */
 
-/* The library tells a file that is missing, or cannot be read, from a faulty one in words alone. */
+/* The library tells a file that is missing, or cannot be read, from a faulty one in words alone; and reads it twice. */
 static hdr_status check_file(const char *file, const char *named_by, hdr_error *err) {
+    struct stat about;
     FILE *opened = fopen(file, "r");
     bool readable = opened && (fgetc(opened) != EOF || !ferror(opened));
     int why = errno;
+    bool regular = opened && fstat(fileno(opened), &about) == 0 && (S_ISREG(about.st_mode) || S_ISDIR(about.st_mode));
     if (opened) fclose(opened);
-    return readable ? HDR_OK : hdr_fail(err, HDR_NO_INPUT, "%s: %s: %s", named_by, file, strerror(why));
+    if (!readable) return hdr_fail(err, HDR_NO_INPUT, "%s: %s: %s", named_by, file, strerror(why));
+    return regular ? HDR_OK : hdr_fail(err, HDR_NO_INPUT, "%s: %s: a configuration has to be a file", named_by, file);
 }
 
 static hdr_status open_config(const hdr_ocio_table *plugin, const hdr_ocio_source *source, hdr_ocio_config **config,

@@ -19,6 +19,9 @@ typedef struct hdr_ocio {
     bool built_in; /* of the plug-in's own configuration */
 } hdr_ocio;
 
+/* HDR_BAD_DATA: there is no plug-in. */
+hdr_status hdr_ocio_check(hdr_error *err);
+
 /* HDR_BAD_DATA: no plug-in, or a faulty configuration; HDR_NO_INPUT: no such file, or one that it names is missing;
  * HDR_USAGE: it does not have the name, but others, which the message lists. */
 hdr_ocio *hdr_ocio_new(const hdr_ocio_source *source, const hdr_ocio_request *request, hdr_error *err);

@@ -151,6 +151,8 @@ OCIO::ConstColorSpaceRcPtr space_named(const OCIO::Config &config, const char *o
 OCIO::ConstColorSpaceRcPtr source_space(const OCIO::Config &config, const char *from) {
     if (!from && !config.hasRole(OCIO::ROLE_SCENE_LINEAR))
         throw fault(HDR_USAGE, "the configuration has no role scene_linear: say with --from what the picture is in");
+    if (!from && !config.getColorSpace(OCIO::ROLE_SCENE_LINEAR))
+        throw fault(HDR_BAD_DATA, "the configuration's role scene_linear names a colour space that it does not have");
     return space_named(config, "from", from ? from : OCIO::ROLE_SCENE_LINEAR);
 }
 
@@ -193,7 +195,8 @@ void check_looks(const OCIO::Config &config, const std::string &looks) {
 }
 
 // Whether 1/16, 1 and 16 times a colour stay so on their way to scene_linear: where a configuration does not tell.
-bool is_proportional(const OCIO::ConstConfigRcPtr &config, const OCIO::ConstColorSpaceRcPtr &space) {
+// There need not be a way back, from a picture in black and white for one.
+bool is_proportional(const OCIO::ConstConfigRcPtr &config, const OCIO::ConstColorSpaceRcPtr &space) try {
     if (!config->hasRole(OCIO::ROLE_SCENE_LINEAR)) return false;
     OCIO::ConstCPUProcessorRcPtr cpu =
         config->getProcessor(space->getName(), OCIO::ROLE_SCENE_LINEAR)
@@ -210,13 +213,17 @@ bool is_proportional(const OCIO::ConstConfigRcPtr &config, const OCIO::ConstColo
         }
     }
     return true;
+} catch (const OCIO::Exception &) {
+    return false;
 }
 
-bool is_linear(const OCIO::ConstConfigRcPtr &config, const OCIO::ConstColorSpaceRcPtr &space) {
+hdr_ocio_values values_of(const OCIO::ConstConfigRcPtr &config, const OCIO::ConstColorSpaceRcPtr &space) {
+    if (!space) return HDR_OCIO_ENCODED;
     std::string encoding = space->getEncoding();
-    if (space->isData()) return true;
-    if (encoding.empty()) return is_proportional(config, space);
-    return encoding == "scene-linear" || encoding == "display-linear" || encoding == "data";
+    if (space->isData() || encoding == "data") return HDR_OCIO_DATA;
+    bool linear =
+        encoding.empty() ? is_proportional(config, space) : encoding == "scene-linear" || encoding == "display-linear";
+    return linear ? HDR_OCIO_LINEAR : HDR_OCIO_ENCODED;
 }
 
 OCIO::ConstProcessorRcPtr between_spaces(const OCIO::ConstConfigRcPtr &config, const char *from, const char *to,
@@ -270,7 +277,7 @@ hdr_status make(const hdr_ocio_config *config, const hdr_ocio_request *request, 
             const char *shown = c->getDisplayViewColorSpaceName(display.c_str(), view.c_str());
             to = c->getColorSpace(std::string(shown) == OCIO::OCIO_VIEW_USE_DISPLAY_NAME ? display.c_str() : shown);
         }
-        about->linear = to && is_linear(c, to);
+        about->values = values_of(c, to);
         *processor = new hdr_ocio_processor{
             made->getOptimizedCPUProcessor(OCIO::BIT_DEPTH_F32, OCIO::BIT_DEPTH_F32, OCIO::OPTIMIZATION_LOSSLESS)};
     });

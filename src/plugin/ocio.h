@@ -15,7 +15,7 @@ extern "C" {
 
 /* Raised with every change of what follows, and of what it uses of hdrpipe.h. A plug-in of another number is not used.
  */
-#define HDR_OCIO_INTERFACE 1
+#define HDR_OCIO_INTERFACE 2
 
 typedef struct hdr_ocio_config hdr_ocio_config;
 typedef struct hdr_ocio_processor hdr_ocio_processor;
@@ -28,8 +28,15 @@ typedef struct hdr_ocio_request {
     const char *looks; /* with `to`: on the way there; else instead of the view's own */
 } hdr_ocio_request;
 
+/* What comes out. */
+typedef enum hdr_ocio_values {
+    HDR_OCIO_ENCODED,
+    HDR_OCIO_LINEAR,
+    HDR_OCIO_DATA /* numbers that no transform is to touch */
+} hdr_ocio_values;
+
 typedef struct hdr_ocio_about {
-    int linear;     /* not 0: what comes out is linear, or mere data */
+    hdr_ocio_values values;
     char from[100]; /* the names that the configuration has for them */
     char to[100];   /* empty: a display */
     char display[100], view[100];

@@ -25,9 +25,11 @@ hdr_sample hdr_format_float(const void *params, int bits) {
 
 hdr_status hdr_check_linear(const hdr_scene *scene, bool force, hdr_error *err) {
     if (force || !strcmp(scene->state, "linear")) return HDR_OK;
+    char clause[HDR_CLAUSE_TEXT];
+    hdr_decoding_clause(scene->state, clause);
     return hdr_fail(err, HDR_BAD_DATA,
-                    "the picture is encoded already (%s): decode it first (--decode), or insist with --force",
-                    scene->state);
+                    "the picture is encoded already (%s): decode it first (%s), or insist with --force", scene->state,
+                    clause);
 }
 
 hdr_verdict hdr_encoding_step(const hdr_encoding_params *params, const hdr_curve *encode, const hdr_curve *decode,
@@ -36,6 +38,7 @@ hdr_verdict hdr_encoding_step(const hdr_encoding_params *params, const hdr_curve
     step->form = HDR_FORM_CHANNEL;
     step->curve = params->decode ? decode : encode;
     snprintf(step->state, sizeof step->state, "%s", params->decode ? "linear" : state);
+    if (params->decode) snprintf(step->decodes, sizeof step->decodes, "%s", state);
     return HDR_RUN;
 }
 
@@ -45,9 +48,10 @@ void hdr_decoding_clause(const char *state, char clause[HDR_CLAUSE_TEXT]) {
         snprintf(clause, HDR_CLAUSE_TEXT, "ocio --from SPACE --to SPACE");
         return;
     }
-    bool exponent = strncmp(state, "gamma ", 6) == 0;
-    snprintf(clause, HDR_CLAUSE_TEXT, "%.*s%s%s --decode", verb, state, exponent ? " --exponent" : "",
-             exponent ? state + verb : "");
+    const char *option = strncmp(state, "gamma ", 6) == 0 ? " --exponent"
+                         : strncmp(state, "pq ", 3) == 0  ? " --nits"
+                                                          : "";
+    snprintf(clause, HDR_CLAUSE_TEXT, "%.*s%s%s --decode", verb, state, option, option[0] ? state + verb : "");
 }
 
 hdr_status hdr_refuse_text(const hdr_option *table, const char *name, const char *text, const char *why,

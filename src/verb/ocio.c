@@ -1,5 +1,6 @@
 /* A colour transform of OpenColorIO: to another colour space, or through a view to a display. */
 #include "kernel/strip.h"
+#include "picture/colour.h"
 #include "picture/ocio.h"
 #include "verb/verb.h"
 
@@ -108,6 +109,21 @@ static hdr_mapper *open_transform(const void *params, hdr_error *err) {
 
 /* ---- The plan ---- */
 
+/* Linear colour spaces by the names that they have everywhere (ACES CG configuration, 2022). */
+static const struct linear_space {
+    const char *name;
+    const hdr_chromaticities *primaries;
+} linear_spaces[] = {{"ACES2065-1", &hdr_aces_ap0},          {"ACEScg", &hdr_aces_ap1},
+                     {"Linear Rec.709 (sRGB)", &hdr_rec709}, {"Linear P3-D65", &hdr_p3_d65},
+                     {"Linear Rec.2020", &hdr_rec2020},      {"CIE-XYZ-D65", &hdr_cie_xyz}};
+
+/* NULL: nothing is known of them. */
+static const hdr_chromaticities *primaries_of(const hdr_ocio_about *about) {
+    for (size_t i = 0; i < sizeof linear_spaces / sizeof *linear_spaces; i++)
+        if (!strcmp(about->to, linear_spaces[i].name)) return linear_spaces[i].primaries;
+    return NULL;
+}
+
 static hdr_verdict plan(const void *params, const hdr_scene *scene, hdr_step *step, hdr_error *err) {
     const ocio_params *p = params;
     const transform *t = (const transform *)scene->mapper;
@@ -123,13 +139,19 @@ static hdr_verdict plan(const void *params, const hdr_scene *scene, hdr_step *st
     if (!t) return HDR_RUN;
     const hdr_ocio_about *about = &t->ocio->about;
     step->wants_rec709 = t->ocio->built_in && !p->from;
-    snprintf(step->state, sizeof step->state, "%s", about->linear ? "linear" : "ocio");
-    step->for_display = !about->linear;
-    if (about->to[0])
-        snprintf(step->note, sizeof step->note, "from %.100s to %.100s", about->from, about->to);
+    const char *config = p->config ? "--config" : t->ocio->built_in ? "the configuration that is built in" : "$OCIO";
+    bool view = !about->to[0], data = about->values == HDR_OCIO_DATA;
+    step->primaries = primaries_of(about);
+    if (about->values == HDR_OCIO_LINEAR)
+        snprintf(step->state, sizeof step->state, "linear");
+    else if (view || !data) /* data that are not shown stay what they were */
+        snprintf(step->state, sizeof step->state, "ocio");
+    step->for_display = step->state[0] && about->values != HDR_OCIO_LINEAR;
+    if (!view)
+        snprintf(step->note, sizeof step->note, "from %.60s to %.60s, by %s", about->from, about->to, config);
     else
-        snprintf(step->note, sizeof step->note, "from %.70s by %.70s for %.70s", about->from, about->view,
-                 about->display);
+        snprintf(step->note, sizeof step->note, "from %.50s by %.50s for %.50s, by %s", about->from, about->view,
+                 about->display, config);
     return HDR_RUN;
 }
 
@@ -158,17 +180,19 @@ const hdr_verb hdr_verb_ocio = {
              "what the picture is in, whatever its chromaticities are. So it is for a picture that is encoded already, "
              "which is refused without --from.\n\n"
              "Behind this verb a picture counts as encoded ('ocio'), or as linear where the colour space is a linear "
-             "one, or holds data. A PNG of it has no colour chunk, since nothing is known of what its values are to a "
-             "display. A linear picture counts as one in Rec.709's primaries from there on: neither its luminance nor "
-             "what png makes of it is right where the colour space has others.\n\n"
+             "one. A view of data counts as encoded; data that --to leaves alone stay what they were. A PNG of what is "
+             "encoded has no colour chunk, since nothing is known of what its values are to a display. Linear colour "
+             "spaces that have the names of the ACES CG configuration are known by their primaries, which an EXR then "
+             "tells, and which a PNG is converted from. Of any other one that is not known: it counts as Rec.709's "
+             "from there on, which is said on standard error.\n\n"
              "OpenColorIO works in float32, with --reference, too: here a result is as exact as that library makes it, "
              "in its lossless mode, and the last bits of a float may depend on the processor. What it makes infinite "
              "is held at the largest float, a NaN becomes 0. A picture of "
              "luminance alone becomes one of three channels.\n\n"
              "Since the configuration is a file of this machine, this verb does not travel through a pipe: its program "
-             "computes the pixels, and sends EXR. The pixels are those that one program makes of the whole chain; but "
-             "the "
-             "bytes of a PNG need not be, which depend on how its source was cut into pieces. The verb needs the "
+             "computes the pixels, and sends EXR. The pixels are those that one program makes of the whole chain, to "
+             "within the float32 of that EXR; the bytes of a PNG need not be the same, which depend on how its source "
+             "was cut into pieces, nor whether it is a grey one. The verb needs the "
              "plug-in hdrpipe-ocio.so, which is loaded for it alone.",
          .examples = examples,
          .options = options,

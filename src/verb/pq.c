@@ -57,13 +57,23 @@ HDR_INLINE double pq_decode_of(const hdr_constants *k, double v) {
 }
 HDR_CURVE(pq_decode)
 
+/* Light is lost where it is decoded with other nits. */
+static const char *state_of(const pq_params *p, char state[64]) {
+    if (p->nits.value == 100)
+        snprintf(state, 64, "pq");
+    else
+        snprintf(state, 64, "pq %.15g", p->nits.value);
+    return state;
+}
+
 static hdr_verdict plan(const void *params, const hdr_scene *scene, hdr_step *step, hdr_error *err) {
     const pq_params *p = params;
+    char state[64];
     double whole = p->nits.value / 10000;
     step->constants.v[0] = whole > DBL_MIN ? whole : DBL_MIN; /* not 0, which 0 cannot be divided by */
     snprintf(step->note, sizeof step->note, "SMPTE ST 2084%s, 1 is %.9g cd/m2", p->encoding.decode ? ", inverse" : "",
              p->nits.value);
-    return hdr_encoding_step(&p->encoding, &pq_encode, &pq_decode, "pq", scene, step, err);
+    return hdr_encoding_step(&p->encoding, &pq_encode, &pq_decode, state_of(p, state), scene, step, err);
 }
 
 static const char *const examples[] = {"hdr pq then png --bits 16 -o OUT.png IN.exr",

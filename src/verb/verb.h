@@ -114,9 +114,11 @@ typedef struct hdr_step {
     double matrix[9];         /* HDR_FORM_MATRIX, by rows */
     const hdr_mapper *mapper; /* HDR_FORM_MAPPED */
     bool wants_rec709;        /* the same: it takes pixels in Rec.709's primaries, as verbs that encode do */
-    char state[64];           /* not empty: what the pixels are afterwards, "linear", "srgb", "gamma 2.2" */
-    int bits;                 /* above 0: the pixels are quantised to that many bits afterwards */
-    bool of_light;            /* it maps light: of values that are encoded it makes no sense */
+    const hdr_chromaticities *primaries; /* HDR_FORM_MAPPED: of what is linear behind it; NULL: they are not known */
+    char decodes[64];                    /* not empty: the state that it takes the pixels to be in */
+    char state[64];                      /* not empty: what the pixels are afterwards, "linear", "srgb", "gamma 2.2" */
+    int bits;                            /* above 0: the pixels are quantised to that many bits afterwards */
+    bool of_light;                       /* it maps light: of values that are encoded it makes no sense */
     bool for_display; /* its result is meant for a display: what lies outside of [0,1] may be cut without a word */
     char note[240];   /* for --explain: the constants, or the reason of a skip */
 } hdr_step;

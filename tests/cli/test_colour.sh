@@ -199,4 +199,22 @@ check 'through a pipe: once' one_line_with 'its light reaches'
 expect_status 0 'quiet' "$hdr" png -q -o "$work/a.png" "$bright"
 check 'quiet: nothing' stderr_lines 0
 
+# light that was encoded by other nits is decoded by those, and by another curve not without a word
+"$hdr" clamp : pq --nits 203 -o "$work/pq203.exr" testdata/interior.exr
+"$hdr" info "$work/pq203.exr" >"$work/stdout"
+check 'nits are part of the state' grep -q 'pq 203' "$work/stdout"
+expect_status 0 'pq 203 is told on' "$hdr" exp -o "$work/x.exr" "$work/pq203.exr"
+check 'pq 203: the way out' stderr_has 'pq --nits 203 --decode'
+expect_status 0 'pq 203 decoded' "$hdr" pq --nits 203 --decode -o "$work/x.exr" "$work/pq203.exr"
+check 'pq 203 decoded: nothing to say' stderr_lines 0
+"$hdr" png --bits 16 -o "$work/pq203.png" "$work/pq203.exr"
+check 'a PNG of it names the curve' grep -aq cICP "$work/pq203.png"
+for words in 'pq --decode' 'srgb --decode' 'hlg --decode' 'gamma --decode'; do
+    # shellcheck disable=SC2086 # words
+    expect_status 0 "$words of pq 203" "$hdr" $words -o "$work/x.exr" "$work/pq203.exr"
+    check "$words of pq 203: it is said" one_line_with 'and the picture is encoded by another curve (pq 203)'
+done
+expect_status 65 'pq 203 encoded again' "$hdr" srgb -o "$work/x.exr" "$work/pq203.exr"
+check 'pq 203 encoded again: the way out' stderr_has 'pq --nits 203 --decode'
+
 finish test_colour

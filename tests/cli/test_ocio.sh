@@ -123,6 +123,7 @@ displays:
   monitor:
     - !<View> {name: plain, colorspace: twice}
     - !<View> {name: bent, colorspace: square}
+    - !<View> {name: raw, colorspace: numbers}
 looks:
   - !<Look> {name: half, process_space: base, transform: !<MatrixTransform> {matrix: [0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1]}}
 colorspaces:
@@ -133,12 +134,22 @@ colorspaces:
   - !<ColorSpace> {name: beyond, from_scene_reference: !<MatrixTransform> {matrix: [1e38, 0, 0, 0, 0, 1e38, 0, 0, 0, 0, 1e38, 0, 0, 0, 0, 1]}}
   - !<ColorSpace> {name: tabled, from_scene_reference: !<FileTransform> {src: missing.cube}}
   - !<ColorSpace> {name: numbers, isdata: true}
+  - !<ColorSpace> {name: grey, from_scene_reference: !<MatrixTransform> {matrix: [0.25, 0.5, 0.25, 0, 0.25, 0.5, 0.25, 0, 0.25, 0.5, 0.25, 0, 0, 0, 0, 1]}}
 END
 own() { "$hdr" ocio --config "$work/own.ocio" "$@"; }
 faulty 66 missing.cube own --to tabled -o "$work/out/a.png" "$picture"
 sed '/scene_linear/d; s/^roles:/roles: {}/' "$work/own.ocio" >"$work/roleless.ocio"
 faulty 64 'no role scene_linear' "$hdr" ocio --config "$work/roleless.ocio" --to twice -o "$work/out/a.png" "$picture"
 expect_status 0 'without that role' "$hdr" ocio --config "$work/roleless.ocio" --from base --to twice -o "$work/a.exr" "$picture"
+
+mkfifo "$work/config.fifo"
+cat "$work/own.ocio" >"$work/config.fifo" &
+expect_status 66 'a configuration from a pipe' "$hdr" ocio --config "$work/config.fifo" --to twice -o "$work/a.exr" "$picture"
+wait
+check 'that is said' stderr_has 'has to be a file'
+sed 's/scene_linear: base/scene_linear: gone/' "$work/own.ocio" >"$work/gone.ocio"
+faulty 65 'does not have' "$hdr" ocio --config "$work/gone.ocio" --to twice -o "$work/out/a.png" "$picture"
+expect_status 64 'a list behind a program' "$hdr" ocio --list : stats "$picture"
 
 # ---- What it makes -------------------------------------------------------------------------------------------------
 
@@ -152,6 +163,7 @@ numbers() {
     check "$name: '$found' and not '$wanted'" test "$found" = "$wanted"
 }
 numbers 'a space' '0.5 1 0.25' --to twice
+numbers 'a space without a way back' '0.34375 0.34375 0.34375' --to grey
 numbers 'from another' '0.125 0.25 0.0625' --from twice --to base
 numbers 'by an alias' '0.5 1 0.25' --from 'other name' --to twice
 numbers 'by a role' '0.125 0.25 0.0625' --from twice --to scene_linear
@@ -175,6 +187,8 @@ leaves() {
 }
 leaves linear --to twice
 leaves linear --to numbers
+leaves ocio --ocio-view raw
+leaves ocio --to grey
 leaves ocio --to square
 leaves linear --ocio-view plain
 leaves ocio --ocio-view bent
@@ -188,7 +202,7 @@ leaves_aces() {
 leaves_aces ocio
 leaves_aces linear --to ACEScg
 leaves_aces ocio --to ACEScct
-leaves_aces linear --ocio-view Raw
+leaves_aces ocio --ocio-view Raw
 "$hdr" ocio -o "$work/encoded.exr" "$picture"
 expect_status 65 'encoded again' "$hdr" srgb -o "$work/out/a.png" "$work/encoded.exr"
 expect_status 65 'encoded before' "$hdr" srgb : ocio -o "$work/out/a.png" "$picture"
@@ -228,7 +242,23 @@ check 'converted' stderr_has 'primaries are converted to Rec.709'
 "$hdr" ocio --from ACEScg --to ACEScg --explain : pfm -o "$work/b.pfm" "$foreign" 2>"$work/stderr"
 check 'not with --from' cmp -s "$work/a.pfm" "$work/b.pfm"
 "$hdr" info --json "$work/a.exr" >"$work/stdout"
-check 'the result claims no primaries' test "$(grep -c '"chromaticities_given": true' "$work/stdout")" -eq 0
+check 'what is linear Rec.709 claims no other primaries' grep -q '"assumed": true' "$work/stdout"
+# primaries that are known by the space's name are told, and converted from; others are said not to be
+"$hdr" ocio --to ACEScg -o "$work/acescg.exr" "$picture"
+"$hdr" info "$work/acescg.exr" >"$work/stdout"
+check 'AP1 is told' grep -q 'red 0.713,0.293 .*white 0.32168,0.33767' "$work/stdout"
+"$hdr" png -q --bits 16 -o "$work/direct.png" "$picture"
+"$hdr" ocio --to ACEScg : png -q --bits 16 -o "$work/back.png" "$picture"
+check 'a PNG by way of AP1 tells sRGB, too' grep -aq sRGB "$work/back.png"
+if command -v idiff >/dev/null; then
+    check 'and has the same codes but for the last places' idiff -q -fail 0.0005 "$work/direct.png" "$work/back.png"
+else
+    skip 'idiff: it is not there'
+fi
+expect_status 0 'primaries that nobody knows' own --to twice -o "$work/a.exr" "$picture"
+check 'that is said' one_line_with 'which primaries its colours have is not known'
+expect_status 0 'those of a view' own --ocio-view bent -o "$work/a.exr" "$picture"
+check 'need not be' stderr_lines 0
 
 # ---- Pipes ---------------------------------------------------------------------------------------------------------
 
