@@ -26,6 +26,9 @@ typedef struct cmd_inputs {
 cmd_inputs cmd_open_files(const hdr_chain *chain, hdr_error *error);
 void cmd_close_files(cmd_inputs *opened);
 
+/* HDR_USAGE where standard input is named twice, by the files or by another option; NULL: there is none. */
+hdr_status cmd_check_standard_input(const char *const files[], const char *other, hdr_error *error);
+
 /* What the chain is run on: the first of them, or all joined, if that is how it begins. */
 typedef struct cmd_input {
     hdr_input *input; /* NULL: the error is filled */

@@ -20,23 +20,23 @@ typedef struct measuring {
     double epsilon, peak; /* peak 0: none */
     hdr_input *reference;
     tested *tests;
-    int count;
+    int count, named; /* those that could be compared, and all */
 } measuring;
 
 /* ---- Figures ---- */
 
 static const struct figure {
     const char *name;
-    size_t offset;
+    size_t offset, tile; /* in hdr_errors; of the sum that it is made of in hdr_tile */
     const char *form;
 } figures[] = {
-    {"bias", offsetof(hdr_errors, bias), "mean of x - r"},
-    {"mae", offsetof(hdr_errors, mae), "mean of |x - r|"},
-    {"mse", offsetof(hdr_errors, mse), "mean of (x - r)^2"},
-    {"rmse", offsetof(hdr_errors, rmse), "root of mse"},
-    {"mrse", offsetof(hdr_errors, mrse), "mean of (x - r)^2 / (r^2 + E)"},
-    {"mape", offsetof(hdr_errors, mape), "mean of |x - r| / (|r| + E)"},
-    {"smape", offsetof(hdr_errors, smape), "mean of |x - r| / (|x| + |r| + E)"},
+    {"bias", offsetof(hdr_errors, bias), offsetof(hdr_tile, signed_sum), "mean of x - r"},
+    {"mae", offsetof(hdr_errors, mae), offsetof(hdr_tile, absolute), "mean of |x - r|"},
+    {"mse", offsetof(hdr_errors, mse), offsetof(hdr_tile, squared), "mean of (x - r)^2"},
+    {"rmse", offsetof(hdr_errors, rmse), offsetof(hdr_tile, squared), "root of mse"},
+    {"mrse", offsetof(hdr_errors, mrse), offsetof(hdr_tile, relative_square), "mean of (x - r)^2 / (r^2 + E)"},
+    {"mape", offsetof(hdr_errors, mape), offsetof(hdr_tile, relative), "mean of |x - r| / (|r| + E)"},
+    {"smape", offsetof(hdr_errors, smape), offsetof(hdr_tile, symmetric), "mean of |x - r| / (|x| + |r| + E)"},
 };
 #define FIGURES (sizeof figures / sizeof *figures)
 
@@ -46,11 +46,11 @@ static double figure_of(const hdr_errors *errors, const struct figure *figure) {
     return value;
 }
 
-static double named_figure(const hdr_errors *errors, const char *name, size_t length) {
+/* One of them, by the first letters of a text. */
+static const struct figure *figure_named(const char *name, size_t length) {
     for (size_t i = 0; i < FIGURES; i++)
-        if (strlen(figures[i].name) == length && !strncmp(figures[i].name, name, length))
-            return figure_of(errors, &figures[i]);
-    return 0;
+        if (strlen(figures[i].name) == length && !strncmp(figures[i].name, name, length)) return &figures[i];
+    return NULL;
 }
 
 /* The peak that PSNR is told for; 0: none. */
@@ -65,25 +65,42 @@ static double psnr_of(double peak, double mse) {
 
 /* ---- Ranking ---- */
 
-/* Mean of the numbers, and its standard error as if they were independent. */
-static void mean_of(const double *value, const double *less, int count, double *mean, double *error) {
-    double squares = 0;
-    *mean = 0;
-    for (int i = 0; i < count; i++) {
-        double number = value[i] - (less ? less[i] : 0), d = number - *mean;
-        *mean += d / (i + 1);
-        squares += d * (number - *mean);
-    }
-    *error = count > 1 ? sqrt(squares / (count - 1) / count) : 0;
+static double sum_in(const hdr_tile *tile, const struct figure *figure) {
+    double value;
+    memcpy(&value, (const char *)tile + figure->tile, sizeof value);
+    return value;
 }
 
-/* Of figures other than mse and rmse the squares tell nothing. */
-static void find_rank_error(tested *test, const char *rank) {
-    double mean, error;
-    mean_of(test->compared.tile_error, NULL, test->compared.tiles, &mean, &error);
-    test->rank_error = !strcmp(rank, "mse")                      ? error
-                       : !strcmp(rank, "rmse") && test->rank > 0 ? error / (2 * test->rank)
-                                                                 : 0;
+/* The mean that a figure is, before a root is taken. */
+static double mean_in(const hdr_comparison *c, const struct figure *figure) {
+    double sum = 0, numbers = 0;
+    for (int i = 0; i < c->tiles; i++) {
+        sum += sum_in(&c->tile[i], figure);
+        numbers += c->tile[i].numbers;
+    }
+    return numbers > 0 ? sum / numbers : 0;
+}
+
+/* The standard error of the difference of two such means, or of one, other being NULL: that of a ratio of sums over
+ * squares which are independent (Cochran, Sampling Techniques, 3rd ed. 1977, 6.4). Below 0: there is one square. */
+static double error_of_mean(const hdr_comparison *c, const hdr_comparison *other, const struct figure *figure) {
+    double mean = mean_in(c, figure), others = other ? mean_in(other, figure) : 0, squares = 0, numbers = 0;
+    int used = 0;
+    for (int i = 0; i < c->tiles; i++) {
+        double n = c->tile[i].numbers, rest = sum_in(&c->tile[i], figure) - mean * n;
+        if (other) rest -= sum_in(&other->tile[i], figure) - others * other->tile[i].numbers;
+        squares += rest * rest;
+        numbers += n;
+        used += n > 0;
+    }
+    return used > 1 ? sqrt(squares * used / (used - 1)) / numbers : -1;
+}
+
+/* Of the root of a mean: by the derivative. */
+static void find_rank(tested *test, const struct figure *figure) {
+    test->rank = figure_of(&test->compared.all, figure);
+    test->rank_error = error_of_mean(&test->compared, NULL, figure);
+    if (!strcmp(figure->name, "rmse") && test->rank_error > 0) test->rank_error /= 2 * test->rank;
 }
 
 static int compare_tests(const void *a, const void *b) {
@@ -93,16 +110,15 @@ static int compare_tests(const void *a, const void *b) {
 }
 
 static void rank_tests(measuring *m) {
-    for (int i = 0; i < m->count; i++) {
-        m->tests[i].rank = named_figure(&m->tests[i].compared.all, m->rank, strlen(m->rank));
-        find_rank_error(&m->tests[i], m->rank);
-    }
+    const struct figure *figure = figure_named(m->rank, strlen(m->rank));
+    for (int i = 0; i < m->count; i++)
+        find_rank(&m->tests[i], figure);
     qsort(m->tests, (size_t)m->count, sizeof *m->tests, compare_tests);
     for (int i = 1; i < m->count; i++) {
         const hdr_comparison *better = &m->tests[i - 1].compared, *own = &m->tests[i].compared;
-        double mean, error;
-        mean_of(own->tile_error, better->tile_error, own->tiles, &mean, &error);
-        m->tests[i].tied = fabs(mean) <= 1.96 * error;
+        double difference = mean_in(own, figure) - mean_in(better, figure);
+        double error = error_of_mean(own, better, figure);
+        m->tests[i].tied = error < 0 || difference <= 1.96 * error;
     }
 }
 
@@ -139,18 +155,22 @@ static void print_test(const measuring *m, const tested *test) {
 }
 
 static void print_ranking(const measuring *m) {
-    printf("%4s %-2s %-14s %-12s file\n", "rank", "", m->rank, "+-");
+    bool ssim = wants_ssim(m), tied = false;
+    printf("%4s %-2s %-14s %-12s %s%-10s file\n", "rank", "", m->rank, "+-", ssim ? "ssim         " : "", "left out");
     for (int i = 0; i < m->count; i++) {
         const tested *test = &m->tests[i];
-        printf("%4d %-2s %-14.9g %-12.3g ", i + 1, test->tied ? "=" : "", test->rank, test->rank_error);
+        printf("%4d %-2s %-14.9g ", i + 1, test->tied ? "=" : "", test->rank);
+        if (test->rank_error >= 0)
+            printf("%-12.3g ", test->rank_error);
+        else
+            printf("%-12s ", "");
+        if (ssim) printf("%-12.9f ", test->ssim);
+        printf("%-10llu ", (unsigned long long)test->compared.left_out);
         cmd_print_plain(stdout, test->name);
         putchar('\n');
+        tied |= test->tied;
     }
-    for (int i = 1; i < m->count; i++)
-        if (m->tests[i].tied) {
-            printf("= cannot be told from the one above\n");
-            break;
-        }
+    if (tied) printf("= cannot be told from the one above\n");
 }
 
 /* ---- For programs ---- */
@@ -203,9 +223,12 @@ static void print_json(const measuring *m, const tested *test) {
         print_json_figures(m, test, &c->channel[plane]);
         putchar('}');
     }
-    if (m->count > 1) {
+    if (m->named > 1) {
         printf(", \"rank_error\": ");
-        cmd_print_json_number(test->rank_error);
+        if (test->rank_error >= 0)
+            cmd_print_json_number(test->rank_error);
+        else
+            printf("null");
         printf(", \"tied\": %s", test->tied ? "true" : "false");
     }
     printf("}\n");
@@ -215,13 +238,14 @@ static void print_csv(const measuring *m) {
     printf("file");
     for (size_t i = 0; i < FIGURES; i++)
         printf(",%s", figures[i].name);
-    printf(wants_ssim(m) ? ",left_out,ssim\n" : ",left_out\n");
+    printf(",left_out%s%s\n", wants_ssim(m) ? ",ssim" : "", m->peak > 0 ? ",psnr" : "");
     for (int t = 0; t < m->count; t++) {
         cmd_print_csv_text(m->tests[t].name);
         for (size_t i = 0; i < FIGURES; i++)
             printf(",%.17g", figure_of(&m->tests[t].compared.all, &figures[i]));
         printf(",%llu", (unsigned long long)m->tests[t].compared.left_out);
         if (wants_ssim(m)) printf(",%.17g", m->tests[t].ssim);
+        if (m->peak > 0) printf(",%.17g", psnr_of(m->peak, m->tests[t].compared.all.mse));
         putchar('\n');
     }
 }
@@ -266,10 +290,10 @@ static void print_all(const measuring *m) {
     for (int i = 0; i < m->count; i++) {
         if (json)
             print_json(m, &m->tests[i]);
-        else if (m->count == 1)
+        else if (m->named == 1)
             print_test(m, &m->tests[i]);
     }
-    if (!json && m->count > 1) print_ranking(m);
+    if (!json && m->named > 1) print_ranking(m);
 }
 
 /* Says which figures are above --threshold. */
@@ -280,9 +304,15 @@ static hdr_status judge(const measuring *m) {
     size_t length = strcspn(threshold, "=");
     double limit = strtod(threshold + length + 1, NULL);
     for (int i = 0; i < m->count; i++) {
-        double value = named_figure(&m->tests[i].compared.all, threshold, length);
-        if (!(value > limit)) continue;
-        fprintf(stderr, "hdr: %s: %.*s is %.9g, above %g\n", m->tests[i].name, (int)length, threshold, value, limit);
+        const hdr_comparison *compared = &m->tests[i].compared;
+        double value = figure_of(&compared->all, figure_named(threshold, length));
+        if (value <= limit && compared->left_out == 0) continue;
+        fprintf(stderr, "hdr: ");
+        cmd_print_plain(stderr, m->tests[i].name);
+        if (value > limit)
+            fprintf(stderr, ": %.*s is %.9g, above %g\n", (int)length, threshold, value, limit);
+        else
+            fprintf(stderr, ": %llu components are NaN or infinite\n", (unsigned long long)compared->left_out);
         status = HDR_DIFFERENT;
     }
     return status;
@@ -292,32 +322,30 @@ static hdr_status check(const hdr_chain *chain, hdr_error *error) {
     if (hdr_chain_clause(chain, 2)) return cmd_refuse(error, "error compares files: write what a chain makes first");
     if (!hdr_chain_given(chain, 1, "against"))
         return cmd_refuse(error, "error: --against FILE is missing: the reference");
-    if (!hdr_chain_files(chain)[0])
-        return cmd_refuse(error, "error: a file is missing: hdr error --against REFERENCE FILE...");
     if (hdr_chain_settings(chain)->json && hdr_chain_given(chain, 1, "csv"))
         return cmd_refuse(error, "error: either --csv or --json");
-    return HDR_OK;
+    if (hdr_chain_given(chain, 1, "by-channel") && hdr_chain_given(chain, 1, "csv"))
+        return cmd_refuse(error, "error: --by-channel is for --json and for words");
+    return cmd_check_standard_input(hdr_chain_files(chain), hdr_chain_given(chain, 1, "against"), error);
 }
 
 hdr_status cmd_error(hdr_chain *chain, hdr_error *error) {
     hdr_status status = check(chain, error);
     if (status != HDR_OK) return status;
-    const char *const *files = hdr_chain_files(chain), *rank = hdr_chain_given(chain, 1, "rank");
+    static const char *const standard_input[] = {"-", NULL};
+    const char *const *files = hdr_chain_files(chain)[0] ? hdr_chain_files(chain) : standard_input;
+    const char *rank = hdr_chain_given(chain, 1, "rank");
     measuring m = {.chain = chain, .against = hdr_chain_given(chain, 1, "against"), .rank = rank ? rank : "rmse"};
     m.epsilon = cmd_given_number(chain, "epsilon", 0.01);
     m.peak = cmd_given_number(chain, "peak", 0);
-    int count = 0;
-    while (files[count])
-        count++;
-    m.tests = calloc((size_t)count, sizeof *m.tests);
+    while (files[m.named])
+        m.named++;
+    m.tests = calloc((size_t)m.named, sizeof *m.tests);
     m.reference = m.tests ? hdr_input_open(m.against, error) : NULL;
-    if (!m.tests) {
-        snprintf(error->message, sizeof error->message, "out of memory");
-        error->status = HDR_INTERNAL;
-    }
+    if (!m.tests) cmd_out_of_memory(error);
     status = m.reference ? measure_files(&m, files, error) : error->status;
     rank_tests(&m);
-    print_all(&m);
+    if (m.count > 0) print_all(&m);
     hdr_status judged = judge(&m);
     for (int i = 0; i < m.count; i++)
         hdr_comparison_free(&m.tests[i].compared);

@@ -146,18 +146,26 @@ static void allow_many_files(void) {
     (void)setrlimit(RLIMIT_NOFILE, &limit); /* where it is refused, opening tells */
 }
 
+hdr_status cmd_check_standard_input(const char *const files[], const char *other, hdr_error *error) {
+    int named = !files[0]; /* then it is meant */
+    named += other && strcmp(other, "-") == 0;
+    for (int i = 0; files[i]; i++)
+        named += strcmp(files[i], "-") == 0;
+    return named > 1 ? cmd_refuse(error, "standard input is one picture, and is named %d times", named) : HDR_OK;
+}
+
 cmd_inputs cmd_open_files(const hdr_chain *chain, hdr_error *error) {
     const char *const *files = hdr_chain_files(chain);
     cmd_inputs opened = {NULL, 0};
     int count = 0;
+    if (cmd_check_standard_input(files, NULL, error) != HDR_OK) return opened;
     while (files[count])
         count++;
     if (count == 0) count = 1; /* standard input */
     allow_many_files();
     opened.inputs = calloc((size_t)count, sizeof(hdr_input *));
     if (!opened.inputs) {
-        snprintf(error->message, sizeof error->message, "out of memory");
-        error->status = HDR_INTERNAL;
+        cmd_out_of_memory(error);
         return opened;
     }
     while (opened.count < count) {

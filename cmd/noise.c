@@ -38,8 +38,13 @@ static void print_text(const hdr_noise *noise, double target) {
             printf("%-12.3g ", noise->level[l].error);
         else
             printf("%-12s ", "");
-        printf("%-14.9g %.4g\n", expected, expected > 0 ? noise->level[l].rmv / expected : 1);
+        printf("%-14.9g ", expected);
+        if (expected > 0)
+            printf("%.4g\n", noise->level[l].rmv / expected);
+        else
+            printf("-\n");
     }
+    if (noise->rmv == 0) printf("\n  all renders are the same: they may have had the same seed\n");
     if (target <= 0) return;
     double needed = renders_for(noise, target), more = needed - noise->renders;
     printf("\n  for an RMSE of %g: %.0f renders, %.0f more\n", target, needed, more > 0 ? more : 0);

@@ -391,29 +391,36 @@ typedef struct hdr_errors {
     double smape;     /* of |d| / (|x| + |r| + e) */
 } hdr_errors;
 
+/* The sums that the means are made of, over a part of the picture: numbers is how many there are. */
+typedef struct hdr_tile {
+    double numbers, signed_sum, absolute, squared, relative_square, relative, symmetric;
+} hdr_tile;
+
 typedef struct hdr_comparison {
     hdr_picture picture; /* the test's */
     double epsilon;
     bool present[4];       /* channels that both have: R G B, or Y in [0]; alpha */
     hdr_errors channel[4]; /* of each */
     hdr_errors all;        /* of all colour channels together */
-    uint64_t left_out;     /* components that are NaN or infinite in either: they count for nothing */
+    uint64_t left_out;     /* components of colour that are NaN or infinite in either: they count for nothing */
     double worst;          /* the largest |d|, and where it is; the channel is -1 where all are 0 */
     int worst_x, worst_y, worst_channel;
     double worst_test, worst_reference;
-    int tiles;          /* squares of 64 pixels, row by row */
-    double *tile_error; /* the mean of d^2 in each, all colours together */
+    int tiles;      /* squares of 64 pixels, row by row */
+    hdr_tile *tile; /* of each, all colours together */
 } hdr_comparison;
 
 /* Compares pictures as they are stored: colour associated with alpha, nothing repaired. Of the chain only the common
  * options matter. Both are read once, together, block by block. The result does not depend on threads. Release it with
- * hdr_comparison_free, whatever the status. HDR_BAD_DATA: they are not of one form. */
+ * hdr_comparison_free, whatever the status. HDR_BAD_DATA: they are not of one form, or nothing of them is finite; or,
+ * with --strict, not all is. */
 hdr_status hdr_compare(const hdr_chain *chain, hdr_input *test, hdr_input *reference, double epsilon,
                        hdr_comparison *out, hdr_error *err);
 void hdr_comparison_free(hdr_comparison *comparison);
 
-/* Structural similarity (Wang et al. 2004) of what a viewer sees: luma of the encoded pictures, held to [0,1]; linear
- * ones are encoded by sRGB. 1: they are the same. HDR_BAD_DATA: less than 11 x 11 pixels. */
+/* Structural similarity (Wang et al. 2004) of what a viewer sees of the data windows: luma of the encoded pictures,
+ * held to [0,1], repaired, colour divided by alpha; linear ones are encoded by sRGB. 1: they are the same.
+ * HDR_BAD_DATA: less than 11 x 11 pixels. */
 hdr_status hdr_compare_structure(const hdr_chain *chain, hdr_input *test, hdr_input *reference, double *ssim,
                                  hdr_error *err);
 
@@ -442,7 +449,7 @@ typedef struct hdr_noise {
 
 /* Measures it. Pictures are taken as they are stored; of the chain only the common options matter. The result does not
  * depend on threads. Release it with hdr_noise_free, whatever the status. HDR_USAGE: fewer than two; HDR_BAD_DATA: they
- * are not of one form. */
+ * are not of one form, or nothing of them is finite; or, with --strict, not all is. */
 hdr_status hdr_measure_noise(const hdr_chain *chain, int count, hdr_input *const inputs[], double epsilon, bool share,
                              hdr_noise *out, hdr_error *err);
 void hdr_noise_free(hdr_noise *noise);

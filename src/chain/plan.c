@@ -428,14 +428,6 @@ static void report_missing(const hdr_run *run) {
         hdr_say(run->listener, HDR_NOTE, "%s: no channel%s %s: taken as 0", run->name, count == 1 ? "" : "s", names);
 }
 
-/* Components of joined pictures that no number could be made of. */
-static void report_left_out(const hdr_run *run) {
-    uint64_t count = hdr_chain_joins(run->chain) ? hdr_join_left_out(run->source) : 0;
-    if (count)
-        hdr_say(run->listener, HDR_NOTE, "%s: %llu component%s no finite number%s", run->name,
-                (unsigned long long)count, count == 1 ? " is" : "s are", count == 1 ? "" : "s");
-}
-
 /* A picture that stands behind the one that was read, as far as is known without waiting for a pipe. */
 static void report_more(const hdr_run *run) {
     if (run->source->end && hdr_input_has(run->input, run->source->end))
@@ -534,7 +526,6 @@ static hdr_status run_chain(hdr_chain *chain, hdr_input *input, const hdr_listen
         if (!status) status = plan_filters(&p, &own);
         if (!status && end) status = end(&p, context, &own);
         if (!status) report_missing(&run);
-        if (!status) report_left_out(&run);
         if (!status) report_more(&run);
         if (!status) report_cut(&run);
         hdr_plane_free(p.luminance);

@@ -28,9 +28,10 @@ static hdr_status open_threads(hdr_run *run, hdr_error *err) {
 static hdr_source *open_source(const hdr_chain *chain, hdr_input *input, hdr_error *err) {
     hdr_reading reading = hdr_chain_reading(chain);
     const hdr_joined *joined = hdr_input_get_joined(input);
-    if (!hdr_chain_joins(chain) && !joined) return hdr_source_open(input, &reading, err);
-    if (!joined || !hdr_chain_joins(chain)) {
-        hdr_fail(err, HDR_USAGE, "pictures that are joined belong to a chain that begins with a verb that joins them");
+    if (!hdr_chain_joins(chain)) return hdr_source_open(input, &reading, err);
+    if (!joined) {
+        hdr_fail(err, HDR_USAGE, "%s makes one picture of several, which have to be joined",
+                 chain->clauses[0].verb->about.name);
         return NULL;
     }
     const hdr_clause *first = &chain->clauses[0];
@@ -333,6 +334,12 @@ static void count_of(char *text, size_t size, uint64_t count, const char *what) 
 static hdr_status report_repairs(const hdr_run *run, hdr_error *err) {
     const hdr_raw *raw = &run->raw;
     bool strict = run->settings.strict;
+    uint64_t left_out = hdr_chain_joins(run->chain) ? hdr_join_left_out(run->source) : 0;
+    if (left_out && strict)
+        return hdr_fail(err, HDR_BAD_DATA, "%llu components are NaN or infinite", (unsigned long long)left_out);
+    if (left_out)
+        hdr_say(run->listener, HDR_NOTE, "%s: components that are NaN or infinite: %llu", run->name,
+                (unsigned long long)left_out);
     char text[300] = "";
     count_of(text, sizeof text, raw->nan, strict ? "NaN" : "NaN (now 0)");
     count_of(text, sizeof text, raw->negative_infinity, strict ? "-Inf" : "-Inf (now 0)");

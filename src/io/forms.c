@@ -17,7 +17,7 @@ static hdr_status refuse(const hdr_input *other, const hdr_input *first, const c
 /* Whether a picture has the first one's form. */
 static hdr_status compare_forms(const hdr_input *other, const hdr_picture *picture, const hdr_input *first,
                                 const hdr_picture *wanted, bool alpha, hdr_error *err) {
-    char why[200];
+    char why[600];
     if (memcmp(&picture->data, &wanted->data, sizeof picture->data) != 0) {
         snprintf(why, sizeof why, "%lld x %lld pixels from %d,%d and %lld x %lld from %d,%d",
                  (long long)hdr_window_width(&wanted->data), (long long)hdr_window_height(&wanted->data),
@@ -89,11 +89,11 @@ uint64_t hdr_block_load(const hdr_block *block, int channel, int row, size_t x, 
     return strange;
 }
 
-static void visit_row(const hdr_source *source, const hdr_block *block, int row, hdr_visit visit, void *context,
-                      uint64_t *strange) {
+static void visit_row(const hdr_source *source, int channels, const hdr_block *block, int row, hdr_visit visit,
+                      void *context, uint64_t *strange) {
     size_t width = (size_t)hdr_window_width(&source->picture.data);
     double values[HDR_STRIP];
-    for (int channel = 0; channel < 4; channel++)
+    for (int channel = 0; channel < channels; channel++)
         for (size_t x = 0; x < width && source->picture.present[channel]; x += HDR_STRIP) {
             size_t count = width - x < HDR_STRIP ? width - x : HDR_STRIP;
             *strange += hdr_block_load(block, channel, row - block->first_row, x, values, count);
@@ -101,8 +101,8 @@ static void visit_row(const hdr_source *source, const hdr_block *block, int row,
         }
 }
 
-hdr_status hdr_source_visit(hdr_source *source, int first, int end, hdr_visit visit, void *context, uint64_t *strange,
-                            hdr_error *err) {
+hdr_status hdr_source_visit(hdr_source *source, int channels, int first, int end, hdr_visit visit, void *context,
+                            uint64_t *strange, hdr_error *err) {
     void *worker = NULL;
     hdr_block block = {0};
     int current = -1;
@@ -111,7 +111,7 @@ hdr_status hdr_source_visit(hdr_source *source, int first, int end, hdr_visit vi
         int wanted = hdr_source_block_of(source, row);
         if (wanted != current) status = source->read(source, worker, wanted, &block, err);
         current = wanted;
-        if (status == HDR_OK) visit_row(source, &block, row, visit, context, strange);
+        if (status == HDR_OK) visit_row(source, channels, &block, row, visit, context, strange);
     }
     if (worker) source->worker_free(source, worker);
     return status;

@@ -31,6 +31,22 @@ static size_t strips_of(const join_source *source) {
     return (width_of(source) + HDR_STRIP - 1) / HDR_STRIP;
 }
 
+/* Of the channels that are joined. */
+static size_t channels_of(const join_source *source) {
+    size_t count = 0;
+    for (int c = 0; c < 4; c++)
+        count += source->base.picture.present[c];
+    return count;
+}
+
+/* A channel's place among them. */
+static size_t place_of(const join_source *source, int channel) {
+    size_t place = 0;
+    for (int c = 0; c < channel; c++)
+        place += source->base.picture.present[c];
+    return place;
+}
+
 static void worker_free(hdr_source *source, void *worker) {
     join_worker *w = worker;
     (void)source;
@@ -42,7 +58,7 @@ static void worker_free(hdr_source *source, void *worker) {
 
 static hdr_status worker_new(hdr_source *base, void **worker, hdr_error *err) {
     const join_source *source = (join_source *)base;
-    size_t rows = 4 * (size_t)base->block_rows;
+    size_t rows = channels_of(source) * (size_t)base->block_rows;
     size_t state = strips_of(source) * HDR_STRIP * (size_t)source->joining.slots;
     join_worker *w = hdr_alloc(1, sizeof *w);
     if (w) {
@@ -59,7 +75,7 @@ static hdr_status worker_new(hdr_source *base, void **worker, hdr_error *err) {
 /* ---- A block ---- */
 
 static double *state_of(const join_source *source, const join_worker *w, int channel, int row, size_t strip) {
-    size_t at = ((size_t)channel * (size_t)source->base.block_rows + (size_t)row) * strips_of(source) + strip;
+    size_t at = (place_of(source, channel) * (size_t)source->base.block_rows + (size_t)row) * strips_of(source) + strip;
     return w->state + at * HDR_STRIP * (size_t)source->joining.slots;
 }
 
@@ -105,11 +121,11 @@ static hdr_status read_block(hdr_source *base, void *worker, int index, hdr_bloc
     *out = (hdr_block){.first_row = first, .rows = end - first};
     w->left_out = 0;
     memset(w->state, 0,
-           4 * (size_t)base->block_rows * strips_of(source) * HDR_STRIP * (size_t)source->joining.slots *
-               sizeof *w->state);
+           channels_of(source) * (size_t)base->block_rows * strips_of(source) * HDR_STRIP *
+               (size_t)source->joining.slots * sizeof *w->state);
     hdr_status status = HDR_OK;
     for (int picture = 0; picture < source->joining.pictures && status == HDR_OK; picture++)
-        status = hdr_source_visit(source->members[picture], first, end, add_numbers,
+        status = hdr_source_visit(source->members[picture], source->joining.alpha ? 4 : 3, first, end, add_numbers,
                                   &(adding){source, w, picture, first}, &w->left_out, err);
     if (status != HDR_OK) return status;
     end_block(source, w, end - first, out);

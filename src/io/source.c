@@ -20,7 +20,7 @@ static const struct {
     {"II*\0", 4, "a TIFF, which is not read; convert it to EXR"},
     {"MM\0*", 4, "a TIFF, which is not read; convert it to EXR"},
     {"\x1f\x8b", 2, "gzip data; unpack it first"},
-    {"hdrpipe ", 8, "the head of a pipe, where a picture should begin"},
+    {"hdrpipe ", 8, "the head of a pipe, and no picture yet: end that pipe with hdr-exr"},
 };
 
 /* Formats that are read. */
@@ -89,6 +89,10 @@ static opener opener_of(const unsigned char *start, int64_t count) {
 
 static hdr_source *open_format(hdr_input *input, const hdr_reading *reading, hdr_error *err) {
     unsigned char start[LOOKED_AT];
+    if (hdr_input_get_joined(input)) {
+        hdr_fail(err, HDR_USAGE, "pictures that are joined belong to a chain that begins with a verb that joins them");
+        return NULL;
+    }
     if (hdr_input_get_planes(input))
         return refuse_choice(input, reading, err) == HDR_OK ? hdr_planes_open(input, err) : NULL;
     int64_t count = hdr_input_read(input, start, sizeof start, 0, err);

@@ -6,6 +6,7 @@
 #include "io/forms.h"
 #include "kernel/errors.h"
 #include "kernel/strip.h"
+#include "measure/measure.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -76,7 +77,7 @@ static hdr_status compare_band(void *context, int band, int thread, hdr_error *e
         for (int channel = 0; channel < 4; channel++)
             for (int x = 0; x < c->width && has_channel(c, channel); x += TILE)
                 compare_tile(c, r, channel, row, x, (size_t)(c->width - x < TILE ? c->width - x : TILE),
-                             &c->worsts[band]);
+                             channel < 3 ? &c->worsts[band] : &(worst){0});
     }
     return HDR_OK;
 }
@@ -113,19 +114,23 @@ static void add_up(const comparing *c, int first, int end, double total[HDR_ERRO
         total[s] += lost[s];
 }
 
-/* Squared errors of each tile, all colours together. */
+/* Sums of each tile, all colours together. */
 static hdr_status keep_tiles(const comparing *c, hdr_comparison *out, hdr_error *err) {
     out->tiles = c->columns * c->rows;
-    out->tile_error = hdr_alloc((size_t)out->tiles, sizeof *out->tile_error);
-    if (!out->tile_error) return hdr_fail(err, HDR_INTERNAL, "out of memory");
-    for (int tile = 0; tile < out->tiles; tile++) {
-        double squares = 0, numbers = 0;
+    out->tile = hdr_alloc((size_t)out->tiles, sizeof *out->tile);
+    if (!out->tile) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+    for (int tile = 0; tile < out->tiles; tile++)
         for (int channel = 0; channel < 3; channel++) {
-            squares += c->sums[tile][channel][HDR_SUM_SQUARED];
-            numbers += c->sums[tile][channel][HDR_SUM_COUNT];
+            const double *sums = c->sums[tile][channel];
+            hdr_tile *to = &out->tile[tile];
+            to->numbers += sums[HDR_SUM_COUNT];
+            to->signed_sum += sums[HDR_SUM_SIGNED];
+            to->absolute += sums[HDR_SUM_ABSOLUTE];
+            to->squared += sums[HDR_SUM_SQUARED];
+            to->relative_square += sums[HDR_SUM_RELATIVE_SQUARE];
+            to->relative += sums[HDR_SUM_RELATIVE];
+            to->symmetric += sums[HDR_SUM_SYMMETRIC];
         }
-        out->tile_error[tile] = numbers > 0 ? squares / numbers : 0;
-    }
     return HDR_OK;
 }
 
@@ -137,7 +142,8 @@ static hdr_status sum_up(const comparing *c, hdr_comparison *out, hdr_error *err
         out->present[channel] = has_channel(c, channel);
         add_up(c, channel, channel + 1, total);
         out->channel[channel] = figures_of(total);
-        if (out->present[channel]) all += (uint64_t)c->width * (uint64_t)c->height - out->channel[channel].numbers;
+        if (out->present[channel] && channel < 3)
+            all += (uint64_t)c->width * (uint64_t)c->height - out->channel[channel].numbers;
     }
     out->left_out = all;
     add_up(c, 0, 3, total);
@@ -194,6 +200,15 @@ static void close_all(comparing *c) {
     free(c->readers);
 }
 
+hdr_status hdr_check_left_out(const hdr_chain *chain, uint64_t numbers, uint64_t left_out, hdr_error *err) {
+    if (numbers == 0)
+        return hdr_fail(err, HDR_BAD_DATA, "there is nothing to measure: %llu components are NaN or infinite",
+                        (unsigned long long)left_out);
+    if (left_out > 0 && hdr_chain_settings(chain)->strict)
+        return hdr_fail(err, HDR_BAD_DATA, "%llu components are NaN or infinite", (unsigned long long)left_out);
+    return HDR_OK;
+}
+
 hdr_status hdr_compare(const hdr_chain *chain, hdr_input *test, hdr_input *reference, double epsilon,
                        hdr_comparison *out, hdr_error *err) {
     hdr_error unheard = {0};
@@ -208,6 +223,7 @@ hdr_status hdr_compare(const hdr_chain *chain, hdr_input *test, hdr_input *refer
     if (status == HDR_OK && !pool) status = HDR_INTERNAL;
     if (status == HDR_OK) status = hdr_pool_run(pool, c.bands, compare_band, &c, err);
     if (status == HDR_OK) status = sum_up(&c, out, err);
+    if (status == HDR_OK) status = hdr_check_left_out(chain, out->all.numbers, out->left_out, err);
     hdr_pool_free(pool);
     close_all(&c);
     return status;
@@ -215,6 +231,6 @@ hdr_status hdr_compare(const hdr_chain *chain, hdr_input *test, hdr_input *refer
 
 void hdr_comparison_free(hdr_comparison *comparison) {
     if (!comparison) return;
-    free(comparison->tile_error);
-    comparison->tile_error = NULL;
+    free(comparison->tile);
+    comparison->tile = NULL;
 }

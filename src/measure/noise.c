@@ -13,6 +13,7 @@
 #include "chain/chain.h"
 #include "io/forms.h"
 #include "kernel/strip.h"
+#include "measure/measure.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -29,6 +30,7 @@ typedef struct measuring {
     hdr_source **source;
     double epsilon;
     int width, height, planes, band_rows, bands;
+    int channels; /* of the planes, those that the files have */
     double *sums; /* of each band: D of each group, then the same of relative differences for single renders, then P */
     float *share; /* of each pixel, or NULL */
     uint64_t *strange;
@@ -69,7 +71,6 @@ static void see_number(worker *w, size_t i, double value) {
 
 static void take_means(void *context, int channel, int row, size_t x, const double *values, size_t count) {
     worker *w = context;
-    if (channel >= w->m->planes) return;
     size_t at = place(w, channel, row, x);
     for (size_t i = 0; i < count; i++)
         see_number(w, at + i, values[i]);
@@ -96,7 +97,6 @@ static void end_group(worker *w, int l, size_t at, size_t count) {
 static void take_differences(void *context, int channel, int row, size_t x, const double *values, size_t count) {
     worker *w = context;
     const measuring *m = w->m;
-    if (channel >= m->planes) return;
     size_t at = place(w, channel, row, x);
     for (int l = 0; l < m->levels; l++) {
         const level *level = &m->level[l];
@@ -113,9 +113,9 @@ static void fill_shares(const worker *w, int rows) {
     for (int row = 0; m->share && row < rows; row++)
         for (int x = 0; x < m->width; x++) {
             double variance = 0;
-            for (int channel = 0; channel < m->planes; channel++)
+            for (int channel = 0; channel < m->planes; channel++) /* of a channel that is not there: 0 */
                 variance += w->squares[place(w, channel, w->first + row, (size_t)x)] / (m->renders - 1);
-            m->share[(size_t)(w->first + row) * (size_t)m->width + (size_t)x] = (float)sqrt(variance / m->planes);
+            m->share[(size_t)(w->first + row) * (size_t)m->width + (size_t)x] = (float)sqrt(variance / m->channels);
         }
 }
 
@@ -135,14 +135,15 @@ static hdr_status measure_band(void *context, int band, int thread, hdr_error *e
     for (int pass = 0; pass < 2; pass++)
         for (w->render = 0; w->render < m->renders; w->render++) {
             uint64_t strange = 0;
-            hdr_status status = hdr_source_visit(m->source[w->render], w->first, end,
+            hdr_status status = hdr_source_visit(m->source[w->render], m->planes, w->first, end,
                                                  pass == 0 ? take_means : take_differences, w, &strange, err);
             if (status != HDR_OK) return status;
             if (pass == 0) m->strange[thread] += strange;
         }
     fill_shares(w, end - w->first);
     for (int channel = 0; channel < m->planes; channel++)
-        for (size_t i = place(w, channel, w->first, 0); i < place(w, channel, end, 0); i++)
+        for (size_t i = place(w, channel, w->first, 0);
+             m->source[0]->picture.present[channel] && i < place(w, channel, end, 0); i++)
             w->sums[m->groups + m->renders] += !w->strange[i];
     return HDR_OK;
 }
@@ -241,6 +242,8 @@ static hdr_status lay_out(measuring *m, int threads, bool share, hdr_error *err)
     m->width = (int)hdr_window_width(&picture->data);
     m->height = (int)hdr_window_height(&picture->data);
     m->planes = picture->planes;
+    for (int channel = 0; channel < m->planes; channel++)
+        m->channels += picture->present[channel];
     for (int i = 0; i < m->renders; i++)
         if (m->source[i]->block_rows > m->band_rows) m->band_rows = m->source[i]->block_rows;
     m->bands = (m->height + m->band_rows - 1) / m->band_rows;
@@ -285,6 +288,7 @@ hdr_status hdr_measure_noise(const hdr_chain *chain, int count, hdr_input *const
     if (status == HDR_OK && !pool) status = HDR_INTERNAL;
     if (status == HDR_OK) status = hdr_pool_run(pool, m.bands, measure_band, &m, err);
     if (status == HDR_OK) status = sum_up(&m, out, err);
+    if (status == HDR_OK) status = hdr_check_left_out(chain, out->numbers, out->left_out, err);
     if (status == HDR_OK && share) {
         normalise_shares(&m);
         out->share = m.share;

@@ -4,6 +4,7 @@
  */
 #include "base/pool.h"
 #include "chain/chain.h"
+#include "io/forms.h"
 #include "kernel/real.h"
 
 #include <stdio.h>
@@ -28,6 +29,7 @@ static hdr_chain *encoding_chain(const hdr_chain *like, const hdr_picture *pictu
     hdr_status status = chain ? hdr_chain_add(chain, clamp, 1, err) : HDR_INTERNAL;
     if (status == HDR_OK && linear) status = hdr_chain_add(chain, srgb, 1, err);
     if (status == HDR_OK) status = hdr_chain_add(chain, pfm, hdr_chain_settings(like)->quiet ? 1 : 2, err);
+    if (status == HDR_OK) chain->common.window = HDR_WINDOW_DATA;
     if (status == HDR_OK) return chain;
     hdr_chain_free(chain);
     return NULL;
@@ -36,9 +38,8 @@ static hdr_chain *encoding_chain(const hdr_chain *like, const hdr_picture *pictu
 /* Of a PFM that the library has written. */
 static hdr_status read_luma(const unsigned char *bytes, size_t size, luma *to, hdr_error *err) {
     char kind = 0, head[64] = "";
-    int behind = 0;
     memcpy(head, bytes, size < sizeof head - 1 ? size : sizeof head - 1);
-    if (sscanf(head, "P%c %d %d %*f%n", &kind, &to->width, &to->height, &behind) != 3)
+    if (sscanf(head, "P%c %d %d", &kind, &to->width, &to->height) != 3)
         return hdr_fail(err, HDR_INTERNAL, "the encoded picture cannot be read back");
     size_t pixels = (size_t)to->width * (size_t)to->height, planes = kind == 'F' ? 3 : 1;
     const unsigned char *numbers = bytes + size - pixels * planes * sizeof(float);
@@ -125,8 +126,8 @@ static hdr_status compare(comparing *c, int threads, double *ssim, hdr_error *er
     int rows = c->x.height - SIDE + 1, columns = c->x.width - SIDE + 1;
     c->sums = hdr_alloc((size_t)rows, sizeof *c->sums);
     hdr_pool *pool = c->sums ? hdr_pool_new(threads, err) : NULL;
-    hdr_status status =
-        pool ? hdr_pool_run(pool, rows, compare_row, c, err) : hdr_fail(err, HDR_INTERNAL, "out of memory");
+    if (!c->sums) hdr_fail(err, HDR_INTERNAL, "out of memory");
+    hdr_status status = pool ? hdr_pool_run(pool, rows, compare_row, c, err) : HDR_INTERNAL;
     sum = 0;
     for (int row = 0; row < rows && status == HDR_OK; row++)
         sum += c->sums[row];
@@ -141,6 +142,10 @@ hdr_status hdr_compare_structure(const hdr_chain *chain, hdr_input *test, hdr_in
     hdr_error unheard = {0};
     if (!err) err = &unheard;
     comparing c = {.x = {.width = 0}};
+    hdr_reading reading = hdr_chain_reading(chain);
+    hdr_source **alike = hdr_open_alike(2, (hdr_input *const[]){test, reference}, &reading, false, err);
+    if (!alike) return err->status;
+    hdr_close_alike(2, alike);
     hdr_status status = make_luma(chain, test, &c.x, err);
     if (status == HDR_OK) status = make_luma(chain, reference, &c.y, err);
     if (status == HDR_OK) status = compare(&c, hdr_chain_settings(chain)->threads, ssim, err);

@@ -108,10 +108,11 @@ const hdr_verb hdr_verb_error = {
              "infinite, they are left out and counted. The pixel with the largest difference is told, in the file's "
              "coordinates.\n\n"
              "Several tests are ranked by --rank. Behind the figure stands its standard error, from how it differs "
-             "between squares of 64 pixels. A test is marked by = if it cannot be told from the one above it: their "
-             "squared errors, compared square by square, differ by less than 1.96 standard errors, so that the "
-             "order would turn over more often than once in twenty.\n\n"
-             "--threshold is for the regression tests of renderers: status 1 tells that a figure is above it.",
+             "between squares of 64 pixels, where there are two or more. A test is marked by = if it cannot be told "
+             "from the one above it: they differ by no more than 1.96 standard errors of the difference, square by "
+             "square, which equal ones would exceed in one of forty comparisons.\n\n"
+             "--threshold is for the regression tests of renderers: status 1 tells that a figure is above it, or that "
+             "not all components are finite. Where none is, or with --strict where one is not, the file is refused.",
          .examples = examples,
          .options = options,
          .kind = HDR_PROGRAM},

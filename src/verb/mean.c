@@ -219,7 +219,7 @@ static hdr_status join(const void *params, hdr_joining *joining, hdr_error *err)
     int groups = (int)p->groups.value < joining->pictures ? (int)p->groups.value : joining->pictures;
     if (p->show != SHOW_MEAN && joining->pictures < 2)
         return hdr_fail(err, HDR_USAGE, "one render has no %s: name several", shows[p->show]);
-    joining->alpha = true;
+    joining->alpha = p->show == SHOW_MEAN; /* how it scatters is no cover */
     if (is_weighted(p)) {
         if (count_weights(p->weights, NULL) != joining->pictures)
             return hdr_fail(err, HDR_USAGE, "--weights has %d numbers, and there are %d files",
@@ -244,31 +244,34 @@ static const char *const examples[] = {"hdr mean -o OUT.exr IN.exr IN.exr",
                                        "hdr mean then reinhard then png -o OUT.png IN.exr IN.exr", NULL};
 
 const hdr_verb hdr_verb_mean = {
-    .about = {.name = "mean",
-              .summary = "average independent renders, or tell how they scatter",
-              .details =
-                  "Begins a chain: makes one float picture of several renders of the same scene, which have to be "
-                  "independent: made with other random numbers each. They must agree in data window, channels and "
-                  "primaries; all else, such as the header's attributes, is the first one's.\n\n"
-                  "Each component is averaged as it is stored (colour associated with alpha), by Welford's method in "
-                  "double, in the order of the files, and rounded to float once. Another order of the files changes "
-                  "no more than the last bit. Components that are NaN or infinite are left out, and counted on "
-                  "standard error. All files are read once, together, block by block: memory does not grow with the "
-                  "pictures.\n\n"
-                  "--weights 16,64,64 is for renders of different length: each component is the sum of weight times "
-                  "number, divided by "
-                  "the weights' sum.\n\n"
-                  "--show variance is that of one render, M2 / (n - 1), and deviation its root, the standard "
-                  "deviation; mean-variance and mean-deviation are those of the mean of all n: variance / n, and its "
-                  "root. They need two renders, and hold no matter how bright a pixel is (sums of squares would lose "
-                  "1e6 +- 1e-3).\n\n"
-                  "--robust median-of-means parts the renders in --groups groups, averages each and takes the median: "
-                  "a firefly in one render touches one group alone. It is biased: where light comes in rare bright "
-                  "samples, as caustics do, it is too dark.",
-              .examples = examples,
-              .options = options,
-              .kind = HDR_JOIN,
-              .stays = true},
+    .about =
+        {.name = "mean",
+         .summary = "average independent renders, or tell how they scatter",
+         .details =
+             "Begins a chain: makes one float picture of several renders of the same scene, which have to be "
+             "independent: made with other random numbers each. They must agree in data window, channels and "
+             "primaries; all else, such as the header's attributes, is the first one's.\n\n"
+             "Each component is averaged as it is stored (colour associated with alpha), by Welford's method in "
+             "double, in the order of the files, and rounded to float once. Of numbers of one sign, "
+             "another order of the files changes no more than the last bit. Components that are NaN or infinite "
+             "are left out, and counted on "
+             "standard error. All files are read once, together, block by block: memory does not grow with "
+             "their number, nor with their size but for the chunks that they are stored in: large tiles take more.\n\n"
+             "--weights 16,64,64 is for renders of different length: each component is the sum of weight times "
+             "number, divided by "
+             "the weights' sum.\n\n"
+             "--show variance is that of one render, M2 / (n - 1), and deviation its root, the standard "
+             "deviation; mean-variance and mean-deviation are those of the mean of all n: variance / n, and its "
+             "root. They need two renders (a component that only one has becomes 0), have no alpha, and hold no matter "
+             "how bright a pixel is (sums of squares would lose "
+             "1e6 +- 1e-3).\n\n"
+             "--robust median-of-means parts the renders in --groups groups, averages each and takes the median: "
+             "a firefly in one render touches one group alone. It is biased: where light comes in rare bright "
+             "samples, as caustics do, it is too dark.",
+         .examples = examples,
+         .options = options,
+         .kind = HDR_JOIN,
+         .stays = true},
     .params_size = sizeof(mean_params),
     .check = check,
     .join = join,

@@ -1,6 +1,8 @@
 /* A program: how noisy independent renders are. cmd/noise.c runs it. */
 #include "verb/verb.h"
 
+#include <string.h>
+
 typedef struct noise_params {
     hdr_number epsilon, target;
     const char *sampling_map;
@@ -38,7 +40,8 @@ static const hdr_option options[] = {
 static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
     const noise_params *p = params;
     (void)given;
-    if (p->sampling_map && !*p->sampling_map) return hdr_refuse_text(options, "sampling-map", "", "names no file", err);
+    if (p->sampling_map && (!*p->sampling_map || !strcmp(p->sampling_map, "-")))
+        return hdr_refuse_text(options, "sampling-map", p->sampling_map, "names no file", err);
     return HDR_OK;
 }
 
@@ -56,16 +59,20 @@ const hdr_verb hdr_verb_noise = {
              "unbiased renderer it estimates the RMSE of one render against the truth, which nobody has; what is "
              "wrong in all renders alike, such as bias, it does not see. The noise of the mean of all n is rmv / "
              "sqrt(n). relative is the root of the mean of s^2 / (m^2 + E), m being the mean and E --epsilon.\n\n"
-             "Behind +- stands the standard error, by the jackknife over renders: each is left out in turn. It asks "
+             "Behind +- stands the standard error, by the jackknife over renders: each is left out in turn (of "
+             "relative, but for its part in m). It asks "
              "nothing of the pixels, which are not independent where a firefly is blurred over several; with "
              "fireflies it is large, and says so. It needs three renders.\n\n"
              "The table tells the same of the means of 2, 4, 8, ... renders that follow each other, and what "
-             "independent ones would give, rmv / sqrt(2), and so on. If the noise does not fall like that, the "
-             "renders are not independent: the same seed, or one noise in all.\n\n"
+             "independent ones would give, rmv / sqrt(2), and so on. If the noise falls more slowly, renders that "
+             "follow each other are not independent. What all renders share does not show in any of these figures: a "
+             "bias, or one noise in all.\n\n"
              "--target tells from rmv how many renders of that kind have a mean with that RMSE. --sampling-map "
              "writes a picture of one channel: how much more often than the average a pixel should be sampled, in "
              "proportion to its standard deviation, which gives the mean its least variance (Neyman 1934).\n\n"
-             "Components that are NaN or infinite in one render are left out of all, and counted.",
+             "Components that are NaN or infinite in one render are left out of all, and counted; with --strict that "
+             "is an error. The map begins at 0,0, wherever the data window does, and gives no samples to a pixel whose "
+             "components are all left out.",
          .examples = examples,
          .options = options,
          .kind = HDR_PROGRAM},

@@ -210,7 +210,8 @@ struct hdr_verb {
     hdr_status (*surround)(hdr_step *step, hdr_surroundings *with, hdr_error *err);
     /* The same: how far a value may be from that of --reference, as a part of it. */
     double (*bound)(const void *params);
-    /* Joins: how several pictures become one, of which there are joining->pictures. HDR_USAGE: so many make no sense. */
+    /* Joins: how several pictures become one, of which there are joining->pictures. HDR_USAGE: so many make no sense.
+     */
     hdr_status (*join)(const void *params, hdr_joining *joining, hdr_error *err);
     const hdr_format *format; /* formats only */
 };

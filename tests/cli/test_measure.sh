@@ -60,7 +60,7 @@ check 'weights' awk -v e="$(figure smape "$work/json")" 'BEGIN { exit !(e != "" 
 "$hdr" mean --weights 2,2,2 -o "$work/weighted.exr" "$work/half.exr" "$work/twice.exr" "$room"
 "$hdr" error --json --against "$work/mean.exr" "$work/weighted.exr" >"$work/json"
 check 'equal weights' awk -v e="$(figure smape "$work/json")" 'BEGIN { exit !(e != "" && e < 1e-7) }'
-for weights in '' 1 1,2,3 1,, 1,0 1,-2 a,b 1,2, ; do
+for weights in '' 1 1,2,3 '1,,' 1,0 1,-2 a,b '1,2,'; do
     expect_status 64 "--weights '$weights'" "$hdr" mean --weights "$weights" -o "$work/x.exr" "$room" "$room"
 done
 expect_status 64 'weights and a variance' "$hdr" mean --weights 1,2 --show variance -o "$work/x.exr" "$room" "$room"
@@ -140,7 +140,30 @@ for wrong in rmse rmse= rmse=x =1 psnr=3 rmse=-1; do
     expect_status 64 "--threshold $wrong" "$hdr" error --threshold "$wrong" --against "$room" "$room"
 done
 expect_status 64 'no reference' "$hdr" error "$room"
-expect_status 64 'no test' "$hdr" error --against "$room"
+expect_status 0 'a test on standard input' sh -c '"$1" error --against "$2" <"$2"' sh "$hdr" "$room"
+for words in "mean -o $work/x.exr - -" 'noise - -' 'error --against - -' 'error --against -'; do
+    # shellcheck disable=SC2086 # words
+    expect_status 64 "$words" "$hdr" $words
+    check "$words: it is said" one_line_with 'standard input is one picture'
+done
+# a render that is no picture must not pass: all of it NaN, or a part
+{ printf 'PF\n160 120\n-1.0\n' && yes "$(printf '\377\377\377\377')" | tr -d '\n' | head -c 230400; } >"$work/nan.pfm"
+"$hdr" pfm -q -o "$work/room.pfm" "$room"
+expect_status 65 'nothing but NaN' "$hdr" error --threshold rmse=1e9 --against "$work/room.pfm" "$work/nan.pfm"
+{ head -c -400 "$work/room.pfm" && tail -c 400 "$work/nan.pfm"; } >"$work/part.pfm"
+expect_status 1 'a part of it NaN' "$hdr" error --threshold rmse=1e9 --against "$work/room.pfm" "$work/part.pfm"
+check 'a part of it NaN: that is said' one_line_with 'NaN or infinite'
+expect_status 65 '--strict error' "$hdr" error --strict --against "$work/room.pfm" "$work/part.pfm"
+for words in noise "mean -o $work/x.exr" "diff -o $work/x.exr"; do
+    # shellcheck disable=SC2086 # words
+    expect_status 65 "--strict $words" "$hdr" $words --strict "$work/part.pfm" "$work/part.pfm"
+    check "--strict $words: nothing is written" absent "$work/x.exr"
+done
+expect_status 65 'nothing in sight' "$hdr" error --crop 9000,0,4,4 --threshold rmse=1e9 --against "$room" "$room"
+# what scatters has no alpha; and structure is that of the data window
+"$hdr" mean --show deviation -o "$work/deviation.exr" testdata/object.exr testdata/object.exr
+"$hdr" info "$work/deviation.exr" >"$work/info"
+check 'a deviation has no alpha' test "$(grep -c 'channels  *R float, G float, B float$' "$work/info")" -eq 1
 expect_status 64 'csv and json' "$hdr" error --csv --json --against "$room" "$room"
 expect_status 64 'a chain in front' "$hdr" clamp : error --against "$room" "$room"
 expect_status 66 'no such reference' "$hdr" error --against "$work/missing" "$room"

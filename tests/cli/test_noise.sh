@@ -91,13 +91,13 @@ check 'a sampling map has one channel' test "$(number Y)" != ''
 check 'a sampling map is largest where they differ most' awk -v m="$(number max_luminance)" -v d="$deviation" \
     'BEGIN { exit !(m > 2 && d > 0) }'
 expect_status 64 'one render' "$hdr" noise "$work/1.exr"
-check 'one render: nothing is written' absent "$work/x.exr"
 expect_status 64 'a map of one render' "$hdr" noise --sampling-map "$work/x.exr" "$work/1.exr"
 check 'a map of one render: nothing is written' absent "$work/x.exr"
 expect_status 64 'a chain in front' "$hdr" clamp : noise "$work/1.exr" "$work/2.exr"
 expect_status 65 'other sizes' "$hdr" noise "$work/1.exr" testdata/interior.exr
 expect_status 66 'a file is missing' "$hdr" noise "$work/1.exr" "$work/missing.exr"
 expect_status 73 'a map that cannot be' "$hdr" noise --sampling-map "$work/none/x.exr" "$work/1.exr" "$work/2.exr"
+expect_status 64 'a map on standard output' "$hdr" noise --sampling-map - "$work/1.exr" "$work/2.exr"
 # the same render twice has no noise
 expect_status 0 'one render twice' "$hdr" noise --json "$work/1.exr" "$work/1.exr"
 check 'one render twice: no noise' test "$(number rmv)" = 0

@@ -1,0 +1,10 @@
+/* What the measurements share. */
+#ifndef HDR_MEASURE_H
+#define HDR_MEASURE_H
+
+#include "base/base.h"
+
+/* HDR_BAD_DATA where nothing was measured, or not all with --strict. */
+hdr_status hdr_check_left_out(const hdr_chain *chain, uint64_t numbers, uint64_t left_out, hdr_error *err);
+
+#endif
