@@ -1,5 +1,7 @@
 #include "chain/run.h"
 
+#include "io/join.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,0 +1,20 @@
+/* Several pictures that become one, number by number. */
+#ifndef HDR_JOINING_H
+#define HDR_JOINING_H
+
+#include "kernel/strip.h"
+
+/* How numbers that have the same place in each picture are joined. state: `slots` rows of HDR_STRIP doubles, cleared
+ * beforehand; values: one channel of picture 0, then of picture 1, ..., NaN and infinities among them, as stored: alpha
+ * is associated. count <= HDR_STRIP. */
+typedef struct hdr_joining {
+    const void *params;
+    int pictures;
+    int slots;
+    bool alpha;      /* that is joined, too; else the result has none */
+    double *weights; /* of each picture, or NULL: all count alike; the source frees them */
+    void (*add)(const struct hdr_joining *joining, int picture, const double *values, double *state, size_t count);
+    void (*end)(const struct hdr_joining *joining, const double *state, double *out, size_t count);
+} hdr_joining;
+
+#endif
