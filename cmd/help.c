@@ -16,7 +16,8 @@ static const struct kind {
 } kinds[] = {{HDR_FILTER, "Filters", "filter", "[then VERB [OPTION...]]... [-o OUT] [FILE]"},
              {HDR_FORMAT, "Formats", "format", "[-o OUT] [FILE]"},
              {HDR_PROGRAM, "Programs", "program", "[FILE...]"},
-             {HDR_JOIN, "Joins", "join", "[then VERB [OPTION...]]... [-o OUT] FILE..."}};
+             {HDR_JOIN, "Joins", "join", "[then VERB [OPTION...]]... [-o OUT] FILE..."},
+             {HDR_GUIDED, "Guided by a second picture", "guided", "[then VERB [OPTION...]]... [-o OUT] [FILE]"}};
 #define KINDS (sizeof kinds / sizeof *kinds)
 
 static const struct exit_status {
@@ -298,7 +299,7 @@ static void print_synopsis(const hdr_verb_about *verb) {
     }
     printf(".Op Ar common-option ...\n");
     if (verb->leads) printf(".Ar VERB Op Ar OPTION ...\n");
-    if (verb->kind == HDR_FILTER || verb->kind == HDR_JOIN || verb->leads)
+    if (verb->kind == HDR_FILTER || verb->kind == HDR_JOIN || verb->kind == HDR_GUIDED || verb->leads)
         printf(".Op Cm then Ar VERB Op Ar OPTION ...\n.Ar ...\n");
     if (verb->leads)
         printf(".Op Ar FILE\n");

@@ -100,7 +100,8 @@ typedef enum hdr_verb_kind {
     HDR_FILTER,  /* picture in, picture out */
     HDR_FORMAT,  /* ends a chain: writes a file format */
     HDR_PROGRAM, /* ends a chain: reports about the picture (info, stats); or stands in front of one (bench) */
-    HDR_JOIN     /* begins a chain: makes one picture of several (mean, diff) */
+    HDR_JOIN,    /* begins a chain: makes one picture of several (mean, diff) */
+    HDR_GUIDED   /* begins a chain, or stands behind a join: filters by a second picture of the same form (smooth) */
 } hdr_verb_kind;
 
 /* What there is to know about a verb from outside. */

@@ -58,6 +58,9 @@ hdr_status hdr_chain_add_reading(hdr_chain *chain, const char *const words[], in
 /* The common options that do not travel, as chain has them: they stay with the program they were given to. */
 hdr_status hdr_chain_add_local(hdr_chain *whole, const hdr_chain *chain, hdr_error *err);
 
+/* The clause that filters by a second picture, which stands in front or behind a join; NULL: there is none. */
+const hdr_clause *hdr_chain_guided(const hdr_chain *chain);
+
 /* ---- reading.c ---- */
 
 /* Whether a common option's text, which has been stored, says what it ought to: levels and rectangles have a form of

@@ -263,6 +263,11 @@ bool hdr_chain_joins(const hdr_chain *chain) {
     return chain->count > 0 && chain->clauses[0].verb->join;
 }
 
+const hdr_clause *hdr_chain_guided(const hdr_chain *chain) {
+    int first = hdr_chain_joins(chain);
+    return first < chain->count && chain->clauses[first].verb->guide ? &chain->clauses[first] : NULL;
+}
+
 const hdr_verb_about *hdr_chain_last(const hdr_chain *chain) {
     return chain->count ? hdr_chain_clause(chain, chain->count) : hdr_chain_leader(chain);
 }
@@ -422,7 +427,12 @@ static hdr_status open_clause(hdr_chain *chain, const char *name, hdr_clause **c
         return hdr_fail(err, HDR_USAGE, "%s stands in front of a chain: hdr %s VERB ...", name, name);
     if (last && verb->about.kind == HDR_JOIN)
         return hdr_fail(err, HDR_USAGE, "%s makes one picture of several files: nothing can come before it", name);
-    if (last && last->kind != HDR_FILTER && last->kind != HDR_JOIN)
+    if (last && verb->about.kind == HDR_GUIDED && last->kind != HDR_JOIN)
+        return hdr_fail(err, HDR_USAGE,
+                        "%s goes by what was measured in the picture as it is read, or as a join (mean) makes it: %s "
+                        "cannot come before it; let it follow, or write what it makes to a file and measure that",
+                        name, last->name);
+    if (last && last->kind != HDR_FILTER && last->kind != HDR_JOIN && last->kind != HDR_GUIDED)
         return hdr_fail(err, HDR_USAGE, "nothing can come after %s, which ends a chain", last->name);
     hdr_clause *clauses = hdr_grow(chain->clauses, (size_t)chain->count + 1, sizeof *clauses);
     if (!clauses) return hdr_fail(err, HDR_INTERNAL, "out of memory");

@@ -310,8 +310,9 @@ static hdr_status plan_filters(planning *p, hdr_error *err) {
     p->run->light_steps = -1;
     hdr_status status = check_state(p->state, err);
     if (!status) status = start_colour(p, err);
-    if (wants_facts(chain)) hdr_run_keep(p->run);
-    for (int i = hdr_chain_joins(chain); !status && i < chain->count; i++) {
+    const hdr_clause *guided = hdr_chain_guided(chain);
+    if (guided || wants_facts(chain)) hdr_run_keep(p->run); /* any sweep may have to be made again */
+    for (int i = hdr_chain_joins(chain) + (guided != NULL); !status && i < chain->count; i++) {
         if (chain->clauses[i].verb->about.kind != HDR_FILTER) break;
         status = plan_clause(p, i + 1, &chain->clauses[i], err);
     }
@@ -478,14 +479,19 @@ static void say_filtered(void *context, hdr_message kind, const char *line) {
     f->listener->say(f->listener->context, kind, line);
 }
 
-/* Puts the input's name in front, unless the message begins with it. */
-static hdr_status with_name(hdr_error *err, const hdr_error *own, hdr_input *input) {
-    hdr_error prefix = {0};
-    hdr_fail(&prefix, own->status, "%s:", hdr_input_name(input)); /* the name as messages have it: printable */
-    bool named = !strncmp(own->message, prefix.message, strlen(prefix.message));
+static bool begins_with(const hdr_error *own, const hdr_input *input) {
+    hdr_error name = {0};
+    hdr_fail(&name, own->status, "%s", hdr_input_name(input)); /* as messages have it: printable */
+    size_t length = strlen(name.message);
+    return !strncmp(own->message, name.message, length) && (own->message[length] == ':' || own->message[length] == ' ');
+}
+
+/* Puts the input's name in front, unless the message begins with it, or with the guide's, where there is one. */
+static hdr_status with_name(hdr_error *err, const hdr_error *own, const hdr_input *input, const hdr_input *guide) {
+    bool named = begins_with(own, input) || (guide && begins_with(own, guide));
     if (named || own->status == HDR_USAGE || own->status == HDR_CANT_CREATE || own->status == HDR_IO)
         return hdr_fail(err, own->status, "%s", own->message);
-    return hdr_fail(err, own->status, "%s %s", prefix.message, own->message);
+    return hdr_fail(err, own->status, "%s: %s", hdr_input_name(input), own->message);
 }
 
 /* What the clauses need beside the picture. Before that is opened: whoever waits for a pipe should not wait in vain. */
@@ -498,6 +504,18 @@ static hdr_status open_mappers(const hdr_chain *chain, hdr_mapper **mappers, hdr
             return hdr_fail(err, own.status, "clause %d (%s): %s", i + 1, clause->verb->about.name, own.message);
     }
     return HDR_OK;
+}
+
+/* The second picture, where the chain filters by one. For the same reason as early. */
+static hdr_status open_guide(const hdr_chain *chain, hdr_input **guide, hdr_error *err) {
+    const hdr_clause *clause = hdr_chain_guided(chain);
+    hdr_guiding guiding = {0};
+    hdr_error own = {0};
+    if (!clause) return HDR_OK;
+    clause->verb->guide(clause->params, &guiding);
+    *guide = hdr_input_open(guiding.picture, &own);
+    if (*guide) return HDR_OK;
+    return hdr_fail(err, own.status, "%s: %s", clause->verb->about.name, own.message);
 }
 
 static void close_mappers(hdr_mapper **mappers, int count) {
@@ -515,12 +533,14 @@ static hdr_status run_chain(hdr_chain *chain, hdr_input *input, const hdr_listen
     hdr_chain *whole = hdr_chain_behind_head(chain, input, &own);
     hdr_mapper **mappers = whole ? hdr_alloc((size_t)whole->count, sizeof(hdr_mapper *)) : NULL;
     if (whole && !mappers) hdr_fail(&own, HDR_INTERNAL, "out of memory");
+    hdr_input *guide = NULL;
     hdr_status status = own.status ? own.status : open_mappers(whole, mappers, err); /* no fault of the picture */
+    if (!status) status = open_guide(whole, &guide, err);
     if (!status) {
         filtered settings = {listener, chain->common.explain, chain->common.verbose};
         hdr_listener chosen = {say_filtered, &settings};
         hdr_run run;
-        status = hdr_run_open(&run, whole, input, listener && listener->say ? &chosen : NULL, &own);
+        status = hdr_run_open(&run, whole, input, guide, listener && listener->say ? &chosen : NULL, &own);
         planning p = {.run = &run, .mappers = mappers};
         run.look = look;
         if (!status) status = plan_filters(&p, &own);
@@ -533,7 +553,9 @@ static hdr_status run_chain(hdr_chain *chain, hdr_input *input, const hdr_listen
     }
     if (whole) close_mappers(mappers, whole->count);
     hdr_chain_free(whole);
-    return own.status ? with_name(err, &own, input) : status;
+    status = own.status ? with_name(err, &own, input, guide) : status;
+    hdr_input_free(guide);
+    return status;
 }
 
 static hdr_status finish_writing(planning *p, void *context, hdr_error *err) {
@@ -582,7 +604,7 @@ hdr_status hdr_input_picture(hdr_input *input, const hdr_chain *chain, hdr_pictu
     hdr_source_close(source);
     hdr_chain_free(whole);
     hdr_chain_free(none);
-    return own.status ? with_name(err, &own, input) : HDR_OK;
+    return own.status ? with_name(err, &own, input, NULL) : HDR_OK;
 }
 
 hdr_contents *hdr_input_contents(hdr_input *input, hdr_error *err) {
@@ -593,6 +615,6 @@ hdr_contents *hdr_input_contents(hdr_input *input, hdr_error *err) {
     hdr_contents *contents = head ? hdr_source_contents(input, &reading, &own) : NULL;
     hdr_chain_free(head);
     hdr_chain_free(none);
-    if (own.status) with_name(err, &own, input);
+    if (own.status) with_name(err, &own, input, NULL);
     return contents;
 }

@@ -51,6 +51,8 @@ typedef struct hdr_run {
     hdr_input *input;
     const char *name; /* the input's */
     hdr_source *source;
+    hdr_source *joined;  /* the source itself, or what it smooths; NULL: the chain joins nothing */
+    bool guided;         /* the source smooths */
     hdr_pool *pool;
     hdr_thread *threads;
     int thread_count;
@@ -76,9 +78,10 @@ typedef struct hdr_run {
     int looked_at_block;
 } hdr_run;
 
-/* Opens everything: head, source, pool. Free with hdr_run_close in any case; the chain is the one behind the head. */
-hdr_status hdr_run_open(hdr_run *run, const hdr_chain *chain, hdr_input *input, const hdr_listener *listener,
-                        hdr_error *err);
+/* Opens everything: head, source, pool. Free with hdr_run_close in any case; the chain is the one behind the head.
+ * guide: the second picture of a chain that filters by one, else NULL. */
+hdr_status hdr_run_open(hdr_run *run, const hdr_chain *chain, hdr_input *input, hdr_input *guide,
+                        const hdr_listener *listener, hdr_error *err);
 void hdr_run_close(hdr_run *run);
 
 /* From now on decoded blocks are kept, if they fit in --memory: another sweep will come. */

@@ -92,7 +92,8 @@ static hdr_status add_attributes(writing *w, const char *state, bool converted, 
     const hdr_format *format = w->format->format;
     if (!format->attributes) return HDR_OK;
     bool recorded = format->records && format->records(w->params);
-    hdr_exr_fate fate = {.altered = chain->count > 0 && chain->clauses[0].verb->about.kind == HDR_FILTER,
+    const hdr_verb_kind first = chain->count > 0 ? chain->clauses[0].verb->about.kind : HDR_FORMAT;
+    hdr_exr_fate fate = {.altered = first == HDR_FILTER || first == HDR_GUIDED,
                          .converted = converted || run->mapped,
                          .encoded = strcmp(state, "linear") != 0,
                          .cropped = chain->common.crop != NULL,

@@ -14,9 +14,8 @@ static hdr_status refuse(const hdr_input *other, const hdr_input *first, const c
                     hdr_input_name(other), why);
 }
 
-/* Whether a picture has the first one's form. */
-static hdr_status compare_forms(const hdr_input *other, const hdr_picture *picture, const hdr_input *first,
-                                const hdr_picture *wanted, bool alpha, hdr_error *err) {
+hdr_status hdr_compare_forms(const hdr_input *other, const hdr_picture *picture, const hdr_input *first,
+                             const hdr_picture *wanted, bool alpha, hdr_error *err) {
     char why[600];
     if (memcmp(&picture->data, &wanted->data, sizeof picture->data) != 0) {
         snprintf(why, sizeof why, "%lld x %lld pixels from %d,%d and %lld x %lld from %d,%d",
@@ -57,7 +56,7 @@ hdr_source **hdr_open_alike(int count, hdr_input *const inputs[], const hdr_read
     for (int i = 0; i < count; i++) {
         sources[i] = hdr_source_open(inputs[i], reading, err);
         if (sources[i] &&
-            compare_forms(inputs[i], &sources[i]->picture, inputs[0], &sources[0]->picture, alpha, err) == HDR_OK)
+            hdr_compare_forms(inputs[i], &sources[i]->picture, inputs[0], &sources[0]->picture, alpha, err) == HDR_OK)
             continue;
         hdr_close_alike(count, sources);
         return NULL;

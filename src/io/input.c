@@ -421,6 +421,12 @@ bool hdr_input_has_bytes(const hdr_input *input) {
     return input->kind != INPUT_PLANES && input->kind != INPUT_JOINED;
 }
 
+bool hdr_input_same_file(const hdr_input *a, const hdr_input *b) {
+    struct stat about_a, about_b;
+    return a->kind == INPUT_FILE && b->kind == INPUT_FILE && fstat(a->descriptor, &about_a) == 0 &&
+           fstat(b->descriptor, &about_b) == 0 && about_a.st_dev == about_b.st_dev && about_a.st_ino == about_b.st_ino;
+}
+
 /* ---- Forwarding ---- */
 
 /* What to do about a failed call of a copying loop. */

@@ -42,6 +42,9 @@ typedef struct hdr_joined {
 } hdr_joined;
 const hdr_joined *hdr_input_get_joined(const hdr_input *input);
 
+/* Whether both read the same regular file. */
+bool hdr_input_same_file(const hdr_input *a, const hdr_input *b);
+
 /* Whether it consists of bytes, which a head may stand in front of. */
 bool hdr_input_has_bytes(const hdr_input *input);
 

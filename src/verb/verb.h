@@ -12,6 +12,7 @@
 #include "kernel/dither.h"
 #include "picture/facts.h"
 #include "picture/plane.h"
+#include "spatial/nlmeans.h"
 
 typedef struct hdr_verb hdr_verb;
 
@@ -176,6 +177,12 @@ typedef struct hdr_dither_params {
     hdr_number seed;
 } hdr_dither_params;
 
+/* How a picture is filtered by a second one. */
+typedef struct hdr_guiding {
+    const char *picture; /* the second one's file; belongs to the params */
+    hdr_nlmeans filter;  /* its settings of how that is computed are the chain's matter */
+} hdr_guiding;
+
 /* What a format verb provides. */
 typedef struct hdr_format {
     const char *extension; /* ".png" */
@@ -213,6 +220,8 @@ struct hdr_verb {
     /* Joins: how several pictures become one, of which there are joining->pictures. HDR_USAGE: so many make no sense.
      */
     hdr_status (*join)(const void *params, hdr_joining *joining, hdr_error *err);
+    /* Guided: how the picture is filtered, and by which. */
+    void (*guide)(const void *params, hdr_guiding *guiding);
     const hdr_format *format; /* formats only */
 };
 
