@@ -427,13 +427,13 @@ static hdr_status open_clause(hdr_chain *chain, const char *name, hdr_clause **c
         return hdr_fail(err, HDR_USAGE, "%s stands in front of a chain: hdr %s VERB ...", name, name);
     if (last && verb->about.kind == HDR_JOIN)
         return hdr_fail(err, HDR_USAGE, "%s makes one picture of several files: nothing can come before it", name);
+    if (last && last->kind != HDR_FILTER && last->kind != HDR_JOIN && last->kind != HDR_GUIDED)
+        return hdr_fail(err, HDR_USAGE, "nothing can come after %s, which ends a chain", last->name);
     if (last && verb->about.kind == HDR_GUIDED && last->kind != HDR_JOIN)
         return hdr_fail(err, HDR_USAGE,
                         "%s goes by what was measured in the picture as it is read, or as a join (mean) makes it: %s "
-                        "cannot come before it; let it follow, or write what it makes to a file and measure that",
-                        name, last->name);
-    if (last && last->kind != HDR_FILTER && last->kind != HDR_JOIN && last->kind != HDR_GUIDED)
-        return hdr_fail(err, HDR_USAGE, "nothing can come after %s, which ends a chain", last->name);
+                        "cannot come before it; put %s behind it, or write what that makes to a file and measure it",
+                        name, last->name, last->name);
     hdr_clause *clauses = hdr_grow(chain->clauses, (size_t)chain->count + 1, sizeof *clauses);
     if (!clauses) return hdr_fail(err, HDR_INTERNAL, "out of memory");
     chain->clauses = clauses;

@@ -54,6 +54,8 @@ static hdr_source *guide_source(hdr_run *run, hdr_source *source, hdr_input *gui
     guiding.filter.reference = run->settings.reference;
     guiding.filter.no_skip = run->settings.no_skip;
     run->guided = true;
+    hdr_say(run->listener, HDR_EXPLAIN, "clause %d (%s): %s", hdr_chain_joins(run->chain) + 1, clause->verb->about.name,
+            guiding.note);
     return hdr_smooth_open(source, run->input, guide, &reading, &guiding.filter, err);
 }
 
@@ -354,9 +356,8 @@ static hdr_status report_smoothing(const hdr_run *run, hdr_error *err) {
     hdr_smoothed counts = hdr_smooth_counts(run->source);
     const char *name = hdr_chain_guided(run->chain)->verb->about.name;
     hdr_say(run->listener, HDR_EXPLAIN,
-            "%s: %llu of %llu pixels (%.1f %%) are left alone, as their noise is 0 or below --above; the rest is "
-            "biased",
-            name, (unsigned long long)counts.left_alone, (unsigned long long)counts.pixels,
+            "%s: %llu of %llu pixels (%.1f %%) are left alone, as their noise is 0 or too low", name,
+            (unsigned long long)counts.left_alone, (unsigned long long)counts.pixels,
             counts.pixels ? 100 * (double)counts.left_alone / (double)counts.pixels : 0);
     if (!counts.unusable) return HDR_OK;
     if (run->settings.strict)

@@ -51,8 +51,8 @@ typedef struct hdr_run {
     hdr_input *input;
     const char *name; /* the input's */
     hdr_source *source;
-    hdr_source *joined;  /* the source itself, or what it smooths; NULL: the chain joins nothing */
-    bool guided;         /* the source smooths */
+    hdr_source *joined; /* the source itself, or what it smooths; NULL: the chain joins nothing */
+    bool guided;        /* the source smooths */
     hdr_pool *pool;
     hdr_thread *threads;
     int thread_count;

@@ -17,15 +17,15 @@ typedef struct smooth_source {
     hdr_source *picture, *guide;
     const char *guide_name;
     hdr_nlmeans filter;
-    int channels;        /* of colour: those that the picture has */
-    atomic_uchar *seen;  /* of each block: whether it was read before */
+    int channels;       /* of colour: those that the picture has */
+    atomic_uchar *seen; /* of each block: whether it was read before */
     _Atomic uint64_t pixels, left_alone, unusable;
 } smooth_source;
 
 /* What a thread makes a block in. */
 typedef struct smooth_worker {
     hdr_nlmeans_room *room;
-    float *numbers;                 /* what the others point into */
+    float *numbers;                  /* what the others point into */
     float *colour[3], *deviation[3]; /* of a block and what is around it */
     float *out[3], *alpha;           /* of a block */
 } smooth_worker;
@@ -87,9 +87,9 @@ static hdr_status worker_new(hdr_source *base, void **worker, hdr_error *err) {
 typedef struct taking {
     const smooth_source *source;
     smooth_worker *worker;
-    int first;                   /* the first row that is read */
+    int first;                    /* the first row that is read */
     int wanted_first, wanted_end; /* the block's */
-    uint64_t unusable;           /* in the block */
+    uint64_t unusable;            /* in the block */
     uint64_t negative;
 } taking;
 
@@ -99,8 +99,7 @@ static void take_colour(void *context, int channel, int row, size_t x, const dou
     float *to = NULL;
     if (channel == 3 && row >= t->wanted_first && row < t->wanted_end)
         to = t->worker->alpha + (size_t)(row - t->wanted_first) * width;
-    if (channel < 3)
-        to = t->worker->colour[place_of(t->source, channel)] + (size_t)(row - t->first) * width;
+    if (channel < 3) to = t->worker->colour[place_of(t->source, channel)] + (size_t)(row - t->first) * width;
     for (size_t i = 0; to && i < count; i++)
         to[x + i] = (float)values[i]; /* they were float, or half: nothing is lost */
 }
@@ -195,8 +194,9 @@ static hdr_status describe(smooth_source *source, hdr_error *err) {
     base->picture = picture->picture;
     for (int c = 0; c < 4; c++) {
         if (picture->picture.present[c] && picture->picture.channels[c].type == HDR_UINT)
-            return hdr_fail(err, HDR_BAD_DATA, "the channel %s holds whole numbers, such as names of objects: their "
-                                               "mean tells nothing",
+            return hdr_fail(err, HDR_BAD_DATA,
+                            "the channel %s holds whole numbers, such as names of objects: their "
+                            "mean tells nothing",
                             picture->picture.channels[c].name);
         base->picture.channels[c].type = HDR_FLOAT;
         source->channels += c < 3 && picture->picture.present[c];

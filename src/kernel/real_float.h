@@ -13,8 +13,8 @@
  *
  * -x = n ln 2 + r, |r| <= 0.3466, ln 2 in two parts of which the first has 9 bits (Cody and Waite, Software Manual for
  * the Elementary Functions, 1980), so that n times it is exact; exp(r) by its series up to r^7, which leaves
- * 0.3466^8 / 8! = 5.2e-9 of a number above 0.7. r rounds by 2^-26 twice, the last of the sums by half an ulp and the one
- * before it by 0.18: below 1.5 ulp in all. */
+ * 0.3466^8 / 8! = 5.2e-9 of a number above 0.7. r rounds by 2^-26 twice, the last of the sums by half an ulp and the
+ * one before it by 0.18: below 1.5 ulp in all. */
 static inline float hdr_exp_of_minus(float x) {
     const float rounder = 0x1.8p23f; /* adding it rounds to an integer, which stands in the sum's low bits */
     float limited = x < HDR_EXP_FLOAT_END ? x : HDR_EXP_FLOAT_END;

@@ -1,6 +1,7 @@
 /* Non-local means, fast: offset by offset of the window, as all patches of one offset are sums of the same distances.
  * Darbon, Cunha, Chan, Osher and Jensen, Fast Nonlocal Filtering Applied to Electron Cryomicroscopy, ISBI 2008; but the
- * sums are made anew for each place, row of rows and then row, since running sums would carry a firefly's rounding along.
+ * sums are made anew for each place, row of rows and then row, since running sums would carry a firefly's rounding
+ * along.
  *
  * An offset and its opposite are computed together: d2(a,b) and d2(b,a) share all but the variance that is taken off.
  *
@@ -43,7 +44,7 @@ typedef struct tile {
     int x, y, width, height;      /* where it lies in the picture */
     int left, right, top, bottom; /* around the pixels that are wanted: first, and behind the last */
     bool all_sound;
-    double unit;                  /* numbers of the picture are this many times those of the room */
+    double unit; /* numbers of the picture are this many times those of the room */
     float k2;
 } tile;
 
@@ -55,15 +56,20 @@ int hdr_nlmeans_reach(const hdr_nlmeans *filter) {
  * off. Of one d2: the variances, their sum, its product with k^2 and the quotient 5 of it, the square of the difference
  * and what is taken off 5 of the former's part, at most d2 + t, and 3 of t: 11 |d2| + 8 t. The sums over 3 channels
  * and two rows of patches, with the division by their number, another 14 of the mean of |d2|, which is at most d + 2 t.
- * So d, and the weight relative to itself, is wrong by 27 d + 62 t. What a result is wrong by is twice the weights' mean
- * of that, times the largest difference; the mean of d itself is below the logarithm of the number of weights; and the
- * sums of all weights round by that number, each. */
+ * So d, and the weight relative to itself, is wrong by 27 d + 62 t. What a result is wrong by is twice the weights'
+ * mean of that, times the largest difference; the mean of d itself is below the logarithm of the number of weights; and
+ * the sums of all weights round by that number, each. */
 double hdr_nlmeans_bound(const hdr_nlmeans *filter) {
     double window = 2.0 * filter->radius + 1, count = window * window;
     return 0x1p-24 * (2 * (62 / (filter->k * filter->k) + 27 * (log(count) + 1)) + 2 * count);
 }
 
 /* ---- Room ---- */
+
+/* What is only looked at in part may be computed up to a whole number of lanes: rows have the room. */
+static size_t whole_lanes(size_t count) {
+    return (count + LANES - 1) / LANES * LANES;
+}
 
 void hdr_nlmeans_room_free(hdr_nlmeans_room *room) {
     if (!room) return;
@@ -76,7 +82,7 @@ hdr_nlmeans_room *hdr_nlmeans_room_new(const hdr_nlmeans *filter) {
     if (!room) return NULL;
     room->reach = hdr_nlmeans_reach(filter);
     size_t margin = 2 * (size_t)room->reach;
-    room->stride = (TILE_WIDTH + margin + LANES - 1) / LANES * LANES;
+    room->stride = whole_lanes(TILE_WIDTH + margin);
     size_t plane = room->stride * (TILE_HEIGHT + margin), tile = (size_t)TILE_WIDTH * TILE_HEIGHT;
     size_t lines = (2 * (size_t)filter->patch + 1) * room->stride;
     room->all = hdr_alloc(7 * plane + 4 * tile + 2 * lines + 4 * room->stride, sizeof(float));
@@ -203,8 +209,7 @@ HDR_INLINE void mask_body(const float *restrict sound_a, const float *restrict s
         back[i] *= both;
     }
 }
-HDR_VERSIONS_IN(static, mask,
-                (const float *sound_a, const float *sound_b, float *forth, float *back, size_t count),
+HDR_VERSIONS_IN(static, mask, (const float *sound_a, const float *sound_b, float *forth, float *back, size_t count),
                 (sound_a, sound_b, forth, back, count))
 
 /* The sum of an odd number of rows. */
@@ -238,8 +243,8 @@ HDR_VERSIONS_IN(static, weigh,
                 (const float *sum, const float *share, float row, const float *sound, float *weight, size_t count),
                 (sum, share, row, sound, weight, count))
 
-HDR_INLINE void add_weighted_body(const float *restrict weight, const float *restrict other,
-                                  const float *restrict own, float *restrict sum, size_t count) {
+HDR_INLINE void add_weighted_body(const float *restrict weight, const float *restrict other, const float *restrict own,
+                                  float *restrict sum, size_t count) {
     for (size_t i = 0; i < count; i++)
         sum[i] += weight[i] * (other[i] - own[i]);
 }
@@ -270,7 +275,7 @@ static int pairs_of(int at, int other, int patch, int size) {
 static void measure_row(const tile *t, const offset *o, int y, float *forth, float *back) {
     const hdr_nlmeans_room *room = t->room;
     int patch = t->filter->patch;
-    size_t count = (size_t)(o->end - o->first + 2 * patch);
+    size_t count = whole_lanes((size_t)(o->end - o->first + 2 * patch));
     size_t a = place(t, o->first - patch, y), b = place(t, o->first - patch + o->x, y + o->y);
     memset(forth, 0, count * sizeof *forth);
     memset(back, 0, count * sizeof *back);
@@ -281,7 +286,8 @@ static void measure_row(const tile *t, const offset *o, int y, float *forth, flo
 }
 
 /* Adds the pixels `other`, at the offset x,y, to the sums of those of a row, columns first ... end-1. down: the sums of
- * distances over a patch's rows, from the column o->first - patch of a on. shift: from the pixel that sums are for to a. */
+ * distances over a patch's rows, from the column o->first - patch of a on. shift: from the pixel that sums are for to
+ * a. */
 static void add_row(const tile *t, const offset *o, int y, int first, int end, int shift, int other_x, int other_y,
                     float share) {
     hdr_nlmeans_room *room = t->room;
@@ -290,10 +296,10 @@ static void add_row(const tile *t, const offset *o, int y, int first, int end, i
     const float *lines[MOST_LINES];
     for (int l = 0; l <= 2 * patch; l++)
         lines[l] = room->down + skipped + l;
-    add_lines(lines, 2 * patch + 1, room->across, count);
+    add_lines(lines, 2 * patch + 1, room->across, whole_lanes(count));
     size_t own = place(t, first, y), other = place(t, first + other_x, y + other_y);
     size_t to = (size_t)y * TILE_WIDTH + (size_t)first;
-    weigh(room->across, room->share + skipped, share, room->sound + other, room->weight, count);
+    weigh(room->across, room->share + skipped, share, room->sound + other, room->weight, whole_lanes(count));
     for (int c = 0; c < t->rows->channels; c++)
         add_weighted(room->weight, room->colour[c] + other, room->colour[c] + own, room->sums[c] + to, count);
     add(room->weight, room->total + to, count);
@@ -303,7 +309,7 @@ static void add_row(const tile *t, const offset *o, int y, int first, int end, i
 static void use_lines(const tile *t, const offset *o, int y, int oldest) {
     const hdr_nlmeans_room *room = t->room;
     int patch = t->filter->patch, lines = 2 * patch + 1;
-    size_t count = (size_t)(o->end - o->first + 2 * patch);
+    size_t count = whole_lanes((size_t)(o->end - o->first + 2 * patch));
     float share = 1.0f / (float)(pairs_of(t->y + y, t->y + y + o->y, patch, t->rows->height) * t->rows->channels);
     for (int back = 0; back < 2; back++) {
         int own = back ? y + o->y : y;

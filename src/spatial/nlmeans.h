@@ -6,8 +6,8 @@
  *
  * Rousselle, Knaus and Zwicker, Adaptive Rendering with Non-Local Means Filtering, ACM Transactions on Graphics 31(6),
  * 2012, section 4, with alpha = 1; after Buades, Coll and Morel, A Non-Local Algorithm for Image Denoising, CVPR 2005.
- * Their epsilon of 1e-10 beside the variances, against 0/0, is left out so that a picture's unit does not matter: 0/0 is
- * 0 here, and all else over 0 infinity. Windows and patches are cut at the picture's border, patches for both pixels
+ * Their epsilon of 1e-10 beside the variances, against 0/0, is left out so that a picture's unit does not matter: 0/0
+ * is 0 here, and all else over 0 infinity. Windows and patches are cut at the picture's border, patches for both pixels
  * alike. A pixel with a component that is not finite is no q, and counts as equal to any in a patch. */
 #ifndef HDR_NLMEANS_H
 #define HDR_NLMEANS_H

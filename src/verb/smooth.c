@@ -1,6 +1,7 @@
 /* Smoothing where the noise is, by non-local means. */
 #include "verb/verb.h"
 
+#include <stdio.h>
 #include <string.h>
 
 typedef struct smooth_params {
@@ -63,10 +64,11 @@ static hdr_status check(const void *params, const hdr_options *given, hdr_error 
 static void guide(const void *params, hdr_guiding *guiding) {
     const smooth_params *p = params;
     guiding->picture = p->picture;
-    guiding->filter = (hdr_nlmeans){.k = p->strength.value,
-                                    .above = p->above.value,
-                                    .radius = (int)p->radius.value,
-                                    .patch = (int)p->patch.value};
+    guiding->filter = (hdr_nlmeans){
+        .k = p->strength.value, .above = p->above.value, .radius = (int)p->radius.value, .patch = (int)p->patch.value};
+    int window = 2 * guiding->filter.radius + 1, patch = 2 * guiding->filter.patch + 1;
+    snprintf(guiding->note, sizeof guiding->note, "non-local means, k %g, window %d x %d, patches %d x %d; biased",
+             guiding->filter.k, window, window, patch, patch);
 }
 
 static const char *const examples[] = {

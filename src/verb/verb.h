@@ -181,6 +181,7 @@ typedef struct hdr_dither_params {
 typedef struct hdr_guiding {
     const char *picture; /* the second one's file; belongs to the params */
     hdr_nlmeans filter;  /* its settings of how that is computed are the chain's matter */
+    char note[240];      /* for --explain */
 } hdr_guiding;
 
 /* What a format verb provides. */
