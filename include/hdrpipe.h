@@ -106,12 +106,12 @@ typedef enum hdr_verb_kind {
 
 /* What there is to know about a verb from outside. */
 typedef struct hdr_verb_about {
-    const char *name;    /* "gamma" */
-    const char *summary; /* the man page's NAME line: no capital, no full stop */
-    const char *details; /* DESCRIPTION: plain sentences; paragraphs separated by an empty line */
-    const char *const
-        *examples;             /* NULL-ended shell command lines: in them, IN.exr is a picture, OUT.png etc. results */
-    const hdr_option *options; /* its own options */
+    const char *name;            /* "gamma" */
+    const char *summary;         /* the man page's NAME line: no capital, no full stop */
+    const char *details;         /* DESCRIPTION: plain sentences; paragraphs separated by an empty line */
+    const char *const *examples; /* NULL-ended shell command lines: IN.exr is a picture, SIGMA.exr its deviation,
+                                    OUT.png etc. results */
+    const hdr_option *options;   /* its own options */
     hdr_verb_kind kind;
     bool leads; /* a program that stands in front of a chain, without a `then`: bench [OPTION...] VERB [OPTION...] */
     bool alone; /* a program that takes no picture: crosscheck */

@@ -45,12 +45,17 @@ for page in man/hdr-*.1; do
     check "$page: of a verb that there is" "$hdr" help --options "${verb%.1}" >/dev/null
 done
 
+mkdir "$work/bin" "$work/try"
+cp "$picture" "$work/try/IN.exr"
+"$hdr" mean --show mean-deviation -o "$work/try/SIGMA.exr" "$picture" "$picture"
+
 # ---- The parser takes them, and the defaults are those that are told ---------------------------------------------
 
 # result OPTION...: what the verb makes of the picture, in $work/result
 result() {
     case $kind in
     filter) "$hdr" "$verb" -o "$work/result.exr" "$@" "$picture" && mv "$work/result.exr" "$work/result" ;;
+    guided) "$hdr" "$verb" --sigma-picture="$work/try/SIGMA.exr" -o "$work/result.exr" "$@" "$picture" && mv "$work/result.exr" "$work/result" ;;
     join) "$hdr" "$verb" -o "$work/result.exr" "$@" "$picture" "$picture" && mv "$work/result.exr" "$work/result" ;;
     *)
         case $verb in
@@ -91,7 +96,7 @@ while read -r verb kind; do
         bench--reference | bench--plot) continue ;; # test_bench.sh is about them
         error--against | error--threshold) continue ;; # test_measure.sh
         noise--sampling-map) continue ;; # test_noise.sh
-        crosscheck--only) continue ;;               # result() gives it
+        crosscheck--only | smooth--sigma-picture) continue ;; # result() gives it
         # test_ocio.sh is about them
         ocio--config | ocio--from | ocio--to | ocio--display | ocio--ocio-view | ocio--look | ocio--list) continue ;;
         esac
@@ -145,12 +150,10 @@ fi
 
 # ---- Examples ----------------------------------------------------------------------------------------------------
 
-mkdir "$work/bin" "$work/try"
 ln -s "$hdr" "$work/bin/hdr"
 for verb in $verbs; do ln -s hdr "$work/bin/hdr-$verb"; done
-cp "$picture" "$work/try/IN.exr"
 
-# example WHERE LINE: run as it stands, in a folder with a picture called IN.exr. It must make every OUT that it names, or print.
+# example WHERE LINE: run as it stands, in a folder with a picture called IN.exr, and its deviation. It must make every OUT that it names, or print.
 example() {
     (cd "$work/try" && PATH=$work/bin:$PATH sh -c "$2") >"$work/stdout" 2>"$work/stderr"
     status=$?

@@ -77,9 +77,10 @@ static void test_registry(void) {
         CHECK(hdr_verb_named(about->name) == about, "%s is not found by its name", about->name);
         const hdr_verb *verb = hdr_verb_number(count);
         CHECK(verb && &verb->about == about, "%s: the two registries differ", about->name);
-        CHECK((verb->open || verb->join) == about->stays && (!verb->open || about->kind == HDR_FILTER),
+        CHECK((verb->open || verb->join || verb->guide) == about->stays && (!verb->open || about->kind == HDR_FILTER),
               "%s: what opens more than a picture stays", about->name);
         CHECK((verb->join != NULL) == (about->kind == HDR_JOIN), "%s: a join joins", about->name);
+        CHECK((verb->guide != NULL) == (about->kind == HDR_GUIDED), "%s: what is guided has a guide", about->name);
         CHECK((verb->plan != NULL) == (about->kind == HDR_FILTER) &&
                   (verb->format != NULL) == (about->kind == HDR_FORMAT),
               "%s: a filter has a plan, a format a format", about->name);
