@@ -139,7 +139,7 @@ static void choose_range(const falsecolour_params *p, const hdr_facts *facts, do
     *from = is_given(&p->from) ? p->from.value : low;
     *to = is_given(&p->to) ? p->to.value : high;
     if (*from < *to) return;
-    double least = logarithmic ? 10 : fabs(*from) > 1 ? fabs(*from) : 1;
+    double fixed = is_given(&p->to) ? *to : *from, least = logarithmic ? 10 : fabs(fixed) > 1 ? fabs(fixed) : 1;
     if (is_given(&p->to))
         *from = logarithmic ? *to / least : *to - least;
     else
@@ -154,11 +154,10 @@ HDR_INLINE double linear_place_of(const hdr_constants *k, double value) {
 }
 HDR_CURVE_MONOTONE(linear_place)
 
-/* log(x / from) / log(to / from); from = v[0], the denominator = v[1]. Nothing that is not above 0 has a logarithm: it
- * comes first. */
+/* log(x / from) / log(to / from), and 0 where that is below 0; from = v[0], the denominator = v[1]. */
 HDR_INLINE double log_place_of(const hdr_constants *k, double value) {
-    double part = value > 0 ? value / k->v[0] : 0;
-    return part > 0x1p-1000 ? hdr_log(part) / k->v[1] : 0;
+    double part = value > k->v[0] ? value / k->v[0] : 1;
+    return hdr_log(part) / k->v[1];
 }
 HDR_CURVE(log_place)
 
