@@ -10,6 +10,7 @@
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -466,6 +467,36 @@ static void damaged_file(uint64_t *random) {
     free(file.data);
 }
 
+/* A second picture that is damaged: of the same bytes as the first, or of what those were before. */
+static void damaged_guide(uint64_t *random) {
+    const hdr_verb_about *verb = any_verb(random, HDR_GUIDED);
+    const hdr_option *named = verb->options;
+    char name[80], path[80];
+    command line = {.count = 0};
+    file_bytes picture = copy_of_seed(random), guide = {calloc(1, FILE_MAX_BYTES), picture.size};
+    int descriptor = memfd_create("guide", 0);
+    while (named->type != HDR_OPTION_TEXT)
+        named++;
+    if (!guide.data || descriptor < 0) abort();
+    memcpy(guide.data, picture.data, picture.size);
+    mutate(&guide, random);
+    CHECK(write(descriptor, guide.data, guide.size) == (ssize_t)guide.size, "the guide cannot be written");
+    snprintf(name, sizeof name, "--%.40s", named->name);
+    snprintf(path, sizeof path, "/proc/self/fd/%d", descriptor);
+    add_word(&line, verb->name);
+    add_word(&line, name);
+    add_word(&line, path);
+    add_word(&line, "then");
+    add_clause(&line, any_verb(random, HDR_FORMAT), 0, random);
+    file_bytes *first = one_in(random, 2) ? &picture : &guide;
+    keep(first, &line);
+    if (display_too_large(first)) add_word(&line, "--window=data");
+    compare_threads(first, &line);
+    close(descriptor);
+    free(picture.data);
+    free(guide.data);
+}
+
 /* Puts a chain of filters as a head in front of a picture, and damages mostly the head. */
 static void damaged_head(uint64_t *random) {
     static const char *const odd[] = {"read", "read --strict",    "read --window data", "then", "then png", "then x",
@@ -519,6 +550,8 @@ static void run_case(void) {
         damaged_file(&random);
     else if (kind < 6)
         damaged_head(&random);
+    else if (one_in(&random, 4))
+        damaged_guide(&random);
     else
         odd_words(&random);
     alarm(0);
