@@ -513,8 +513,7 @@ static hdr_status open_guide(const hdr_chain *chain, hdr_input **guide, hdr_erro
     hdr_guiding guiding = {0};
     hdr_error own = {0};
     if (!clause) return HDR_OK;
-    clause->verb->guide(clause->params, &guiding);
-    *guide = hdr_input_open(guiding.picture, &own);
+    if (!clause->verb->guide(clause->params, &guiding, &own)) *guide = hdr_input_open(guiding.picture, &own);
     if (*guide) return HDR_OK;
     return hdr_fail(err, own.status, "%s: %s", clause->verb->about.name, own.message);
 }

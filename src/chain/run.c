@@ -50,7 +50,10 @@ static hdr_source *guide_source(hdr_run *run, hdr_source *source, hdr_input *gui
     if (!source || !clause) return source;
     hdr_reading reading = hdr_chain_reading(run->chain);
     hdr_guiding guiding = {0};
-    clause->verb->guide(clause->params, &guiding);
+    if (clause->verb->guide(clause->params, &guiding, err)) {
+        hdr_source_close(source);
+        return NULL;
+    }
     guiding.filter.reference = run->settings.reference;
     guiding.filter.no_skip = run->settings.no_skip;
     run->guided = true;

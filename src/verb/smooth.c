@@ -52,23 +52,24 @@ static const hdr_option options[] = {
 static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
     const smooth_params *p = params;
     (void)given;
-    if (!p->picture)
-        return hdr_fail(err, HDR_USAGE,
-                        "--sigma-picture is missing: the picture of the standard deviation, such as hdr mean --show "
-                        "mean-deviation makes");
-    if (!*p->picture || !strcmp(p->picture, "-"))
+    if (p->picture && (!*p->picture || !strcmp(p->picture, "-")))
         return hdr_refuse_text(options, "sigma-picture", p->picture, "names no file", err);
     return HDR_OK;
 }
 
-static void guide(const void *params, hdr_guiding *guiding) {
+static hdr_status guide(const void *params, hdr_guiding *guiding, hdr_error *err) {
     const smooth_params *p = params;
+    if (!p->picture)
+        return hdr_fail(err, HDR_USAGE,
+                        "--sigma-picture is missing: the picture of the standard deviation, such as hdr mean --show "
+                        "mean-deviation makes");
     guiding->picture = p->picture;
     guiding->filter = (hdr_nlmeans){
         .k = p->strength.value, .above = p->above.value, .radius = (int)p->radius.value, .patch = (int)p->patch.value};
     int window = 2 * guiding->filter.radius + 1, patch = 2 * guiding->filter.patch + 1;
     snprintf(guiding->note, sizeof guiding->note, "non-local means, k %g, window %d x %d, patches %d x %d; biased",
              guiding->filter.k, window, window, patch, patch);
+    return HDR_OK;
 }
 
 static const char *const examples[] = {

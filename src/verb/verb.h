@@ -226,8 +226,8 @@ struct hdr_verb {
     /* Joins: how several pictures become one, of which there are joining->pictures. HDR_USAGE: so many make no sense.
      */
     hdr_status (*join)(const void *params, hdr_joining *joining, hdr_error *err);
-    /* Guided: how the picture is filtered, and by which. */
-    void (*guide)(const void *params, hdr_guiding *guiding);
+    /* Guided: how the picture is filtered, and by which. HDR_USAGE: none is named. */
+    hdr_status (*guide)(const void *params, hdr_guiding *guiding, hdr_error *err);
     const hdr_format *format; /* formats only */
 };
 
