@@ -92,10 +92,10 @@ bool bench_choose_pixels(const hdr_surround *scene, int samples, bench_pixels *p
 /* The errors of values at such pixels. */
 void bench_compare_values(const float *values, const float *exact, const bench_pixels *pixels, bench_way *way);
 
-/* What a chain that ends in pfm makes of the picture. */
+/* What a chain makes of the picture, as numbers. */
 typedef struct bench_image {
     hdr_output *output;
-    const unsigned char *numbers; /* floats, the lowest byte first */
+    const float *plane[3];
     size_t pixels;
     int components; /* of a pixel */
 } bench_image;

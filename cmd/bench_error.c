@@ -130,47 +130,21 @@ void bench_compare_values(const float *values, const float *exact, const bench_p
 
 /* ---- Images ---- */
 
-/* The header of what the library writes as PFM, and whether as many bytes stand behind it as it says. */
-static bool read_pfm(const unsigned char *bytes, size_t size, bench_image *image) {
-    char kind = 0;
-    unsigned width = 0, height = 0;
-    int length = 0;
-    double scale = 0;
-    char head[100] = "";
-    memcpy(head, bytes, size < sizeof head - 1 ? size : sizeof head - 1);
-    if (sscanf(head, "P%c %u %u %lf%n", &kind, &width, &height, &scale, &length) != 4) return false;
-    image->components = kind == 'F' ? 3 : 1;
-    image->pixels = (size_t)width * height;
-    size_t numbers = image->pixels * (size_t)image->components * sizeof(float);
-    return size == (size_t)length + 1 + numbers;
-}
-
 hdr_status bench_make_image(hdr_chain *chain, hdr_input *input, bench_image *image, hdr_error *error) {
-    size_t size = 0;
-    *image = (bench_image){.output = hdr_output_memory(error)};
+    *image = (bench_image){.output = hdr_output_planes(error)};
     if (!image->output) return error->status;
     hdr_status status = hdr_chain_run(chain, input, image->output, NULL, error);
     if (status != HDR_OK) return status;
-    const unsigned char *bytes = hdr_output_bytes(image->output, &size);
-    if (!read_pfm(bytes, size, image)) {
-        snprintf(error->message, sizeof error->message, "the chain's result cannot be read back");
-        return error->status = HDR_INTERNAL;
-    }
-    image->numbers = bytes + size - image->pixels * (size_t)image->components * sizeof(float);
+    const hdr_planes *planes = hdr_output_pixels(image->output);
+    image->components = planes->planes;
+    image->pixels = (size_t)planes->width * (size_t)planes->height;
+    memcpy(image->plane, planes->plane, sizeof image->plane);
     return HDR_OK;
 }
 
 void bench_free_image(bench_image *image) {
     hdr_output_free(image->output);
     *image = (bench_image){0};
-}
-
-static float number_of(const bench_image *image, size_t i) {
-    const unsigned char *byte = image->numbers + i * sizeof(float);
-    uint32_t bits = byte[0] | (uint32_t)byte[1] << 8 | (uint32_t)byte[2] << 16 | (uint32_t)byte[3] << 24;
-    float number;
-    memcpy(&number, &bits, sizeof number);
-    return number;
 }
 
 static hdr_status check_sizes(const bench_image *image, const bench_image *reference, hdr_error *error) {
@@ -184,19 +158,20 @@ hdr_status bench_compare_images(const bench_image *image, const bench_image *ref
     if (check_sizes(image, reference, error) != HDR_OK) return error->status;
     size_t count = reference->pixels * (size_t)reference->components;
     double largest = 0, squares = 0;
-    for (size_t i = 0; i < count; i++) {
-        double value = (double)number_of(image, i), wanted = (double)number_of(reference, i);
-        double error = fabs(value - wanted) / fmax(fabs(wanted), 0x1p-126);
-        largest = fmax(largest, error);
-        squares += error * error;
-    }
+    for (int c = 0; c < reference->components; c++)
+        for (size_t i = 0; i < reference->pixels; i++) {
+            double value = (double)image->plane[c][i], wanted = (double)reference->plane[c][i];
+            double error = fabs(value - wanted) / fmax(fabs(wanted), 0x1p-126);
+            largest = fmax(largest, error);
+            squares += error * error;
+        }
     way->max_error = largest;
     way->rms_error = count ? sqrt(squares / (double)count) : 0;
     return HDR_OK;
 }
 
-static int code_of(const bench_image *image, size_t i) {
-    return (int)lrintf(number_of(image, i) * 255);
+static int code_of(float number) {
+    return (int)lrintf(number * 255);
 }
 
 hdr_status bench_compare_codes(const bench_image *image, const bench_image *reference, bench_way *way,
@@ -207,8 +182,7 @@ hdr_status bench_compare_codes(const bench_image *image, const bench_image *refe
     for (size_t p = 0; p < reference->pixels; p++) {
         int most = 0;
         for (int c = 0; c < reference->components; c++) {
-            size_t i = p * (size_t)reference->components + (size_t)c;
-            int off = abs(code_of(image, i) - code_of(reference, i));
+            int off = abs(code_of(image->plane[c][p]) - code_of(reference->plane[c][p]));
             if (off > most) most = off;
         }
         different += most > 0;

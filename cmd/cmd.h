@@ -37,6 +37,10 @@ typedef struct cmd_input {
 cmd_input cmd_open_input(const hdr_chain *chain, hdr_error *error);
 void cmd_close_input(cmd_input *opened);
 
+/* Writes a picture of one plane, in the format that the output's name asks for. */
+hdr_status cmd_write_plane(const hdr_chain *chain, int width, int height, const float *numbers, hdr_output *output,
+                           hdr_error *error);
+
 /* The number of an option of a clause, 0 being the program that leads: as given or by default. A word instead of a
  * number, or nothing at all: `word`. */
 double cmd_number(const hdr_chain *chain, int clause, const char *name, double word);

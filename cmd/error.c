@@ -11,6 +11,7 @@ typedef struct tested {
     hdr_comparison compared;
     double rank, rank_error; /* the figure that it is ranked by, and its standard error */
     double ssim;             /* with --ssim */
+    hdr_flip flip;           /* with --flip */
     bool tied;               /* it cannot be told from the one above it */
 } tested;
 
@@ -19,6 +20,9 @@ typedef struct measuring {
     const char *against, *rank;
     double epsilon, peak; /* peak 0: none */
     hdr_input *reference;
+    hdr_structure *structure; /* of the reference, once they are asked for */
+    hdr_flip_reference *flip;
+    hdr_output *map; /* for FLIP's; or NULL */
     tested *tests;
     int count, named; /* those that could be compared, and all */
 } measuring;
@@ -40,6 +44,9 @@ static const struct figure {
 };
 #define FIGURES (sizeof figures / sizeof *figures)
 
+/* FLIP is a figure of its own. */
+static const struct figure flip_figure = {.name = "flip"};
+
 static double figure_of(const hdr_errors *errors, const struct figure *figure) {
     double value;
     memcpy(&value, (const char *)errors + figure->offset, sizeof value);
@@ -50,7 +57,11 @@ static double figure_of(const hdr_errors *errors, const struct figure *figure) {
 static const struct figure *figure_named(const char *name, size_t length) {
     for (size_t i = 0; i < FIGURES; i++)
         if (strlen(figures[i].name) == length && !strncmp(figures[i].name, name, length)) return &figures[i];
-    return NULL;
+    return &flip_figure;
+}
+
+static double value_of(const tested *test, const struct figure *figure) {
+    return figure == &flip_figure ? test->flip.mean : figure_of(&test->compared.all, figure);
 }
 
 /* The peak that PSNR is told for; 0: none. */
@@ -65,41 +76,49 @@ static double psnr_of(double peak, double mse) {
 
 /* ---- Ranking ---- */
 
-static double sum_in(const hdr_tile *tile, const struct figure *figure) {
-    double value;
-    memcpy(&value, (const char *)tile + figure->tile, sizeof value);
-    return value;
+/* A square's part in the mean that a figure is, before a root is taken. */
+typedef struct part {
+    double sum, numbers;
+} part;
+
+static part part_in(const tested *test, int square, const struct figure *figure) {
+    if (figure == &flip_figure) return (part){test->flip.tile[square].sum, test->flip.tile[square].pixels};
+    const hdr_tile *tile = &test->compared.tile[square];
+    part part = {.numbers = tile->numbers};
+    memcpy(&part.sum, (const char *)tile + figure->tile, sizeof part.sum);
+    return part;
 }
 
-/* The mean that a figure is, before a root is taken. */
-static double mean_in(const hdr_comparison *c, const struct figure *figure) {
+static double mean_in(const tested *test, const struct figure *figure) {
     double sum = 0, numbers = 0;
-    for (int i = 0; i < c->tiles; i++) {
-        sum += sum_in(&c->tile[i], figure);
-        numbers += c->tile[i].numbers;
+    for (int i = 0; i < test->compared.tiles; i++) {
+        part part = part_in(test, i, figure);
+        sum += part.sum;
+        numbers += part.numbers;
     }
     return numbers > 0 ? sum / numbers : 0;
 }
 
 /* The standard error of the difference of two such means, or of one, other being NULL: that of a ratio of sums over
  * squares which are independent (Cochran, Sampling Techniques, 3rd ed. 1977, 6.4). Below 0: there is one square. */
-static double error_of_mean(const hdr_comparison *c, const hdr_comparison *other, const struct figure *figure) {
-    double mean = mean_in(c, figure), others = other ? mean_in(other, figure) : 0, squares = 0, numbers = 0;
+static double error_of_mean(const tested *test, const tested *other, const struct figure *figure) {
+    double mean = mean_in(test, figure), others = other ? mean_in(other, figure) : 0, squares = 0, numbers = 0;
     int used = 0;
-    for (int i = 0; i < c->tiles; i++) {
-        double n = c->tile[i].numbers, rest = sum_in(&c->tile[i], figure) - mean * n;
-        if (other) rest -= sum_in(&other->tile[i], figure) - others * other->tile[i].numbers;
+    for (int i = 0; i < test->compared.tiles; i++) {
+        part own = part_in(test, i, figure), its = {0};
+        if (other) its = part_in(other, i, figure);
+        double rest = (own.sum - mean * own.numbers) - (its.sum - others * its.numbers);
         squares += rest * rest;
-        numbers += n;
-        used += n > 0;
+        numbers += own.numbers;
+        used += own.numbers > 0;
     }
     return used > 1 ? sqrt(squares * used / (used - 1)) / numbers : -1;
 }
 
 /* Of the root of a mean: by the derivative. */
 static void find_rank(tested *test, const struct figure *figure) {
-    test->rank = figure_of(&test->compared.all, figure);
-    test->rank_error = error_of_mean(&test->compared, NULL, figure);
+    test->rank = value_of(test, figure);
+    test->rank_error = error_of_mean(test, NULL, figure);
     if (!strcmp(figure->name, "rmse") && test->rank_error > 0) test->rank_error /= 2 * test->rank;
 }
 
@@ -115,7 +134,7 @@ static void rank_tests(measuring *m) {
         find_rank(&m->tests[i], figure);
     qsort(m->tests, (size_t)m->count, sizeof *m->tests, compare_tests);
     for (int i = 1; i < m->count; i++) {
-        const hdr_comparison *better = &m->tests[i - 1].compared, *own = &m->tests[i].compared;
+        const tested *better = &m->tests[i - 1], *own = &m->tests[i];
         double difference = mean_in(own, figure) - mean_in(better, figure);
         double error = error_of_mean(own, better, figure);
         m->tests[i].tied = error < 0 || difference <= 1.96 * error;
@@ -135,6 +154,29 @@ static bool wants_ssim(const measuring *m) {
     return hdr_chain_given(m->chain, 1, "ssim") != NULL;
 }
 
+/* What takes FLIP for granted calls for it, too. */
+static bool wants_flip(const hdr_chain *chain) {
+    const char *rank = hdr_chain_given(chain, 1, "rank"), *threshold = hdr_chain_given(chain, 1, "threshold");
+    const char *flip = hdr_chain_given(chain, 1, "flip");
+    return (flip && strcmp(flip, "none") != 0) || hdr_chain_given(chain, 1, "flip-map") ||
+           (rank && !strcmp(rank, "flip")) || (threshold && !strncmp(threshold, "flip=", 5));
+}
+
+/* Which it is: the same for all tests. */
+static void print_flip_kind(const hdr_flip *flip) {
+    bool hdr = flip->kind == HDR_FLIP_HDR;
+    printf("%s-FLIP, %g pixels per degree", hdr ? "HDR" : "LDR", flip->pixels_per_degree);
+    if (hdr) printf(", %d exposures from %.4f to %.4f, ACES", flip->exposures, flip->start, flip->stop);
+    putchar('\n');
+}
+
+static void print_flip(const hdr_flip *flip) {
+    printf("  %-8s %-14.9g mean of ", "flip", flip->mean);
+    print_flip_kind(flip);
+    printf("  %-8s min %.6g, max %.6g at %d,%d, weighted median %.6g, quartiles %.6g and %.6g\n", "", flip->min,
+           flip->max, flip->max_x, flip->max_y, flip->quartile[1], flip->quartile[0], flip->quartile[2]);
+}
+
 static void print_test(const measuring *m, const tested *test) {
     const hdr_comparison *c = &test->compared;
     cmd_print_plain(stdout, test->name);
@@ -143,6 +185,7 @@ static void print_test(const measuring *m, const tested *test) {
     printf("; E = %g\n", c->epsilon);
     print_figures(m, test, &c->all);
     if (wants_ssim(m)) printf("  %-8s %-14.9g of encoded luma\n", "ssim", test->ssim);
+    if (m->flip) print_flip(&test->flip);
     for (int plane = 0; plane < 4 && hdr_chain_given(m->chain, 1, "by-channel"); plane++) {
         if (!c->present[plane]) continue;
         printf("  channel %s\n", cmd_plane_name(&c->picture, plane));
@@ -156,7 +199,10 @@ static void print_test(const measuring *m, const tested *test) {
 
 static void print_ranking(const measuring *m) {
     bool ssim = wants_ssim(m), tied = false;
-    printf("%4s %-2s %-14s %-12s %s%-10s file\n", "rank", "", m->rank, "+-", ssim ? "ssim         " : "", "left out");
+    printf("%4s %-2s %-14s %-12s ", "rank", "", m->rank, "+-");
+    if (ssim) printf("%-12s ", "ssim");
+    if (m->flip) printf("%-12s ", "flip");
+    printf("%-10s file\n", "left out");
     for (int i = 0; i < m->count; i++) {
         const tested *test = &m->tests[i];
         printf("%4d %-2s %-14.9g ", i + 1, test->tied ? "=" : "", test->rank);
@@ -165,12 +211,16 @@ static void print_ranking(const measuring *m) {
         else
             printf("%-12s ", "");
         if (ssim) printf("%-12.9f ", test->ssim);
+        if (m->flip) printf("%-12.9f ", test->flip.mean);
         printf("%-10llu ", (unsigned long long)test->compared.left_out);
         cmd_print_plain(stdout, test->name);
         putchar('\n');
         tied |= test->tied;
     }
     if (tied) printf("= cannot be told from the one above\n");
+    if (!m->flip) return;
+    printf("flip is the mean of ");
+    print_flip_kind(&m->tests[0].flip);
 }
 
 /* ---- For programs ---- */
@@ -196,6 +246,28 @@ static void print_json_worst(const hdr_comparison *c) {
     cmd_json_close('}');
 }
 
+static void print_json_flip(const hdr_flip *flip) {
+    bool hdr = flip->kind == HDR_FLIP_HDR;
+    cmd_json_open("flip", '{');
+    cmd_json_text("kind", hdr ? "hdr" : "ldr");
+    cmd_json_number("pixels_per_degree", flip->pixels_per_degree);
+    if (hdr) {
+        cmd_json_number("start", flip->start);
+        cmd_json_number("stop", flip->stop);
+        cmd_json_integer("exposures", flip->exposures);
+        cmd_json_text("tone_mapper", "aces");
+    }
+    cmd_json_number("mean", flip->mean);
+    cmd_json_number("weighted_quartile_1", flip->quartile[0]);
+    cmd_json_number("weighted_median", flip->quartile[1]);
+    cmd_json_number("weighted_quartile_3", flip->quartile[2]);
+    cmd_json_number("min", flip->min);
+    cmd_json_number("max", flip->max);
+    cmd_json_integer("x", flip->max_x);
+    cmd_json_integer("y", flip->max_y);
+    cmd_json_close('}');
+}
+
 static void print_json(const measuring *m, const tested *test) {
     const hdr_comparison *c = &test->compared;
     cmd_json_open(NULL, '{');
@@ -204,6 +276,7 @@ static void print_json(const measuring *m, const tested *test) {
     cmd_json_number("epsilon", c->epsilon);
     print_json_figures(m, test, &c->all);
     if (wants_ssim(m)) cmd_json_number("ssim", test->ssim);
+    if (m->flip) print_json_flip(&test->flip);
     cmd_json_integer("left_out", (long long)c->left_out);
     if (c->worst_channel >= 0) print_json_worst(c);
     for (int plane = 0; plane < 4 && hdr_chain_given(m->chain, 1, "by-channel"); plane++) {
@@ -219,17 +292,30 @@ static void print_json(const measuring *m, const tested *test) {
     cmd_json_end();
 }
 
+/* Exposures are empty where there are none. */
+static void print_csv_flip(const hdr_flip *flip) {
+    bool hdr = flip->kind == HDR_FLIP_HDR;
+    printf(",%.17g,%.17g,%s,%.17g", flip->mean, flip->max, hdr ? "hdr" : "ldr", flip->pixels_per_degree);
+    if (hdr)
+        printf(",%.17g,%.17g,%d", flip->start, flip->stop, flip->exposures);
+    else
+        printf(",,,");
+}
+
 static void print_csv(const measuring *m) {
     printf("file");
     for (size_t i = 0; i < FIGURES; i++)
         printf(",%s", figures[i].name);
-    printf(",left_out%s%s\n", wants_ssim(m) ? ",ssim" : "", m->peak > 0 ? ",psnr" : "");
+    printf(",left_out%s", wants_ssim(m) ? ",ssim" : "");
+    if (m->flip) printf(",flip,flip_max,flip_kind,pixels_per_degree,start,stop,exposures");
+    printf("%s\n", m->peak > 0 ? ",psnr" : "");
     for (int t = 0; t < m->count; t++) {
         cmd_print_csv_text(m->tests[t].name);
         for (size_t i = 0; i < FIGURES; i++)
             printf(",%.17g", figure_of(&m->tests[t].compared.all, &figures[i]));
         printf(",%llu", (unsigned long long)m->tests[t].compared.left_out);
         if (wants_ssim(m)) printf(",%.17g", m->tests[t].ssim);
+        if (m->flip) print_csv_flip(&m->tests[t].flip);
         if (m->peak > 0) printf(",%.17g", psnr_of(m->peak, m->tests[t].compared.all.mse));
         putchar('\n');
     }
@@ -237,19 +323,43 @@ static void print_csv(const measuring *m) {
 
 /* ---- hdr error ---- */
 
+static hdr_status compare_structure(measuring *m, hdr_input *input, double *ssim, hdr_error *error) {
+    if (!m->structure) m->structure = hdr_structure_new(m->chain, m->reference, error);
+    return m->structure ? hdr_structure_compare(m->structure, input, ssim, error) : error->status;
+}
+
+static hdr_flip_kind kind_of(const char *word) {
+    if (word && !strcmp(word, "ldr")) return HDR_FLIP_LDR;
+    return word && !strcmp(word, "hdr") ? HDR_FLIP_HDR : HDR_FLIP_AUTO;
+}
+
+static hdr_status compare_flip(measuring *m, hdr_input *input, hdr_flip *flip, hdr_error *error) {
+    if (!m->flip)
+        m->flip = hdr_flip_prepare(m->chain, m->reference, kind_of(hdr_chain_given(m->chain, 1, "flip")),
+                                   cmd_number(m->chain, 1, "pixels-per-degree", 0), m->named, error);
+    hdr_status status = m->flip ? hdr_flip_compare(m->flip, input, m->map, flip, error) : error->status;
+    if (status != HDR_OK || !m->map) return status;
+    return cmd_write_plane(m->chain, flip->width, flip->height, flip->map, m->map, error);
+}
+
+static void free_test(tested *test) {
+    hdr_comparison_free(&test->compared);
+    hdr_flip_free(&test->flip);
+}
+
 static hdr_status measure_file(measuring *m, const char *name, hdr_error *error) {
     tested *test = &m->tests[m->count];
     hdr_input *input = hdr_input_open(name, error);
     hdr_status status =
         input ? hdr_compare(m->chain, input, m->reference, m->epsilon, &test->compared, error) : error->status;
-    if (status == HDR_OK && wants_ssim(m))
-        status = hdr_compare_structure(m->chain, input, m->reference, &test->ssim, error);
+    if (status == HDR_OK && wants_ssim(m)) status = compare_structure(m, input, &test->ssim, error);
+    if (status == HDR_OK && wants_flip(m->chain)) status = compare_flip(m, input, &test->flip, error);
     hdr_input_free(input);
     test->name = name;
     if (status == HDR_OK)
         m->count++;
     else
-        hdr_comparison_free(&test->compared);
+        free_test(test);
     return status;
 }
 
@@ -290,7 +400,7 @@ static hdr_status judge(const measuring *m) {
     double limit = strtod(threshold + length + 1, NULL);
     for (int i = 0; i < m->count; i++) {
         const hdr_comparison *compared = &m->tests[i].compared;
-        double value = figure_of(&compared->all, figure_named(threshold, length));
+        double value = value_of(&m->tests[i], figure_named(threshold, length));
         if (value <= limit && compared->left_out == 0) continue;
         fprintf(stderr, "hdr: ");
         cmd_print_plain(stderr, m->tests[i].name);
@@ -311,6 +421,10 @@ static hdr_status check(const hdr_chain *chain, hdr_error *error) {
         return cmd_refuse(error, "error: either --csv or --json");
     if (hdr_chain_given(chain, 1, "by-channel") && hdr_chain_given(chain, 1, "csv"))
         return cmd_refuse(error, "error: --by-channel is for --json and for words");
+    if (hdr_chain_given(chain, 1, "pixels-per-degree") && !wants_flip(chain))
+        return cmd_refuse(error, "error: --pixels-per-degree is for --flip");
+    if (hdr_chain_given(chain, 1, "flip-map") && hdr_chain_files(chain)[0] && hdr_chain_files(chain)[1])
+        return cmd_refuse(error, "error: --flip-map is of one test");
     return cmd_check_standard_input(hdr_chain_files(chain), hdr_chain_given(chain, 1, "against"), error);
 }
 
@@ -326,14 +440,19 @@ hdr_status cmd_error(hdr_chain *chain, hdr_error *error) {
     while (files[m.named])
         m.named++;
     m.tests = calloc((size_t)m.named, sizeof *m.tests);
-    m.reference = m.tests ? hdr_input_open(m.against, error) : NULL;
+    const char *map = hdr_chain_given(chain, 1, "flip-map");
     if (!m.tests) cmd_out_of_memory(error);
+    if (m.tests && map) m.map = hdr_output_open(map, error);
+    if (error->status == HDR_OK) m.reference = hdr_input_open(m.against, error);
     status = m.reference ? measure_files(&m, files, error) : error->status;
     rank_tests(&m);
     if (m.count > 0) print_all(&m);
     hdr_status judged = judge(&m);
     for (int i = 0; i < m.count; i++)
-        hdr_comparison_free(&m.tests[i].compared);
+        free_test(&m.tests[i]);
+    hdr_output_free(m.map);
+    hdr_flip_reference_free(m.flip);
+    hdr_structure_free(m.structure);
     hdr_input_free(m.reference);
     free(m.tests);
     return status != HDR_OK ? status : judged;

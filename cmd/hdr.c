@@ -186,6 +186,17 @@ void cmd_close_files(cmd_inputs *opened) {
     *opened = (cmd_inputs){NULL, 0};
 }
 
+hdr_status cmd_write_plane(const hdr_chain *chain, int width, int height, const float *numbers, hdr_output *output,
+                           hdr_error *error) {
+    hdr_listener listener = cmd_listener(chain);
+    hdr_chain *plain = hdr_chain_new(error);
+    hdr_input *input = hdr_input_planes(width, height, 1, (const float *const[3]){numbers}, NULL, error);
+    hdr_status status = plain && input ? hdr_chain_run(plain, input, output, &listener, error) : error->status;
+    hdr_input_free(input);
+    hdr_chain_free(plain);
+    return status;
+}
+
 cmd_input cmd_open_input(const hdr_chain *chain, hdr_error *error) {
     cmd_input opened = {NULL, {NULL, 0}};
     if (!hdr_chain_joins(chain)) {

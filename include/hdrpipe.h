@@ -33,8 +33,7 @@ extern "C" {
 
 #define HDRPIPE_VERSION "0.1.0"
 
-/* ---- Status and errors ----------------------------------------------------------------------------------------------
- */
+/* ---- Status and errors ------------------------------------------------------------------------------------------- */
 
 /* The values are the exit statuses of the commands (after sysexits.h). */
 typedef enum hdr_status {
@@ -54,8 +53,7 @@ typedef struct hdr_error {
     char message[1000]; /* one sentence, or a sentence and an option's help line; no newline at the end */
 } hdr_error;
 
-/* ---- Options --------------------------------------------------------------------------------------------------------
- */
+/* ---- Options ----------------------------------------------------------------------------------------------------- */
 
 typedef enum hdr_option_type {
     HDR_OPTION_FLAG,    /* takes no value */
@@ -94,8 +92,7 @@ const hdr_option *hdr_common_options(void);
  * "  -g, --exponent NUMBER   help (range; default 2.2)". */
 void hdr_option_describe(const hdr_option *option, char *line, size_t size);
 
-/* ---- Verbs ----------------------------------------------------------------------------------------------------------
- */
+/* ---- Verbs ------------------------------------------------------------------------------------------------------- */
 
 typedef enum hdr_verb_kind {
     HDR_FILTER,  /* picture in, picture out */
@@ -126,8 +123,7 @@ const hdr_verb_about *hdr_verb_named(const char *name); /* NULL: there is none *
 /* The format whose ending a file's name has: "a.hdr" is rgbe's. NULL: no format has it. */
 const hdr_verb_about *hdr_format_named(const char *file_name);
 
-/* ---- Pictures -------------------------------------------------------------------------------------------------------
- */
+/* ---- Pictures ---------------------------------------------------------------------------------------------------- */
 
 /* A rectangle of pixels, corners included, in OpenEXR's coordinates: x to the right, y downwards. Empty if max < min.
  */
@@ -178,8 +174,7 @@ typedef struct hdr_picture {
     int level;                        /* of a mip map; 0: full resolution. The windows are the level's */
 } hdr_picture;
 
-/* ---- Input ----------------------------------------------------------------------------------------------------------
- */
+/* ---- Input ------------------------------------------------------------------------------------------------------- */
 
 /* Bytes of a picture file, with or without a pipe's head in front. */
 typedef struct hdr_input hdr_input;
@@ -205,8 +200,7 @@ hdr_input *hdr_input_join(int count, hdr_input *const inputs[], hdr_error *err);
 const char *hdr_input_name(const hdr_input *input);
 void hdr_input_free(hdr_input *input);
 
-/* ---- Output ---------------------------------------------------------------------------------------------------------
- */
+/* ---- Output ------------------------------------------------------------------------------------------------------ */
 
 /* Where the result goes. A file appears under its name only when it is whole: until hdr_chain_run has succeeded it is a
  * temporary file beside it, which is removed on any fault. */
@@ -224,6 +218,18 @@ hdr_output *hdr_output_descriptor(int descriptor, const char *name, hdr_error *e
 hdr_output *hdr_output_memory(hdr_error *err);
 const void *hdr_output_bytes(const hdr_output *output, size_t *size);
 
+/* Pixels in memory instead of a file: what hdr_input_planes takes. float32, each plane row after row, alpha NULL where
+ * there is none or it is 1 everywhere; colour is associated with it. Light is of Rec.709's primaries. */
+typedef struct hdr_planes {
+    int width, height, planes; /* colour planes: 1 or 3 */
+    const float *plane[3], *alpha;
+} hdr_planes;
+
+/* Such pixels: after hdr_chain_run they are had from hdr_output_pixels, until then it is NULL; they belong to the
+ * output. A format at the end of the chain is left out. */
+hdr_output *hdr_output_planes(hdr_error *err);
+const hdr_planes *hdr_output_pixels(const hdr_output *output);
+
 /* Bytes of one's own instead of a picture: the output is whole then. */
 hdr_status hdr_output_fill(hdr_output *output, const void *bytes, size_t size, hdr_error *err);
 void hdr_output_free(hdr_output *output);
@@ -232,8 +238,7 @@ void hdr_output_free(hdr_output *output);
  * else: the outputs are of no use afterwards, the program has to end. */
 void hdr_output_remove_temporary(void);
 
-/* ---- Chains ---------------------------------------------------------------------------------------------------------
- */
+/* ---- Chains ------------------------------------------------------------------------------------------------------ */
 
 typedef struct hdr_chain hdr_chain;
 
@@ -314,8 +319,7 @@ hdr_status hdr_chain_run(hdr_chain *chain, hdr_input *input, hdr_output *output,
  * program, or has a filter that stays. */
 hdr_status hdr_chain_defer(hdr_chain *chain, hdr_input *input, int descriptor, hdr_error *err);
 
-/* ---- Facts ----------------------------------------------------------------------------------------------------------
- */
+/* ---- Facts ------------------------------------------------------------------------------------------------------- */
 
 #define HDR_PERCENTILES 9
 
@@ -378,8 +382,7 @@ bool hdr_survey_next(hdr_survey *survey, hdr_stats *together, hdr_error *err);
  * whose clauses do not matter, behind those of the head, if there is one. A chain of NULL has none. */
 hdr_status hdr_input_picture(hdr_input *input, const hdr_chain *chain, hdr_picture *picture, hdr_error *err);
 
-/* ---- Errors ---------------------------------------------------------------------------------------------------------
- */
+/* ---- Errors ------------------------------------------------------------------------------------------------------ */
 
 /* Means over numbers x of a test and r of its reference, d = x - r, e being the epsilon that was given. All are 0 where
  * there are no numbers. */
@@ -421,13 +424,50 @@ hdr_status hdr_compare(const hdr_chain *chain, hdr_input *test, hdr_input *refer
 void hdr_comparison_free(hdr_comparison *comparison);
 
 /* Structural similarity (Wang et al. 2004) of what a viewer sees of the data windows: luma of the encoded pictures,
- * held to [0,1], repaired, colour divided by alpha; linear ones are encoded by sRGB. 1: they are the same.
- * HDR_BAD_DATA: less than 11 x 11 pixels. */
-hdr_status hdr_compare_structure(const hdr_chain *chain, hdr_input *test, hdr_input *reference, double *ssim,
-                                 hdr_error *err);
+ * held to [0,1], repaired, over black; linear ones are encoded by sRGB. 1: they are the same. What it takes of the
+ * reference is made once; chain and reference must stay as they are until it is freed. HDR_BAD_DATA: the pictures are
+ * not of one form, or have less than 11 x 11 pixels. */
+typedef struct hdr_structure hdr_structure;
+hdr_structure *hdr_structure_new(const hdr_chain *chain, hdr_input *reference, hdr_error *err);
+hdr_status hdr_structure_compare(const hdr_structure *structure, hdr_input *test, double *ssim, hdr_error *err);
+void hdr_structure_free(hdr_structure *structure);
 
-/* ---- Noise ----------------------------------------------------------------------------------------------------------
- */
+/* FLIP (Andersson et al. 2020): how large the difference is that is seen between two pictures shown in turn, in [0,1].
+ * LDR: of what a display shows; codes count as sRGB's, light is clamped to [0,1]. HDR (Andersson et al. 2021): of
+ * light, the largest over exposures of the tone mapped pictures. AUTO: HDR for light, else LDR. */
+typedef enum hdr_flip_kind { HDR_FLIP_AUTO, HDR_FLIP_LDR, HDR_FLIP_HDR } hdr_flip_kind;
+enum { HDR_FLIP_MOST_PIXELS = 1000 };
+
+typedef struct hdr_flip {
+    hdr_flip_kind kind;
+    double pixels_per_degree;
+    double start, stop; /* HDR: the first and the last exposure, in stops, and how many there are */
+    int exposures;
+    double mean, min, max;
+    int max_x, max_y;
+    double quartile[3]; /* weighted: pixels up to it have 1/4, 1/2, 3/4 of the sum over all */
+    int tiles;          /* squares of 64 pixels, row by row */
+    struct {
+        double pixels, sum;
+    } * tile;
+    int width, height;
+    float *map; /* if asked for: of each pixel, row after row */
+} hdr_flip;
+
+/* What FLIP takes of a reference, for as many tests as will be; chain and reference must stay as they are until it is
+ * freed. Pictures are those of the data windows, repaired, over black. HDR_USAGE: not so many pixels per degree, at
+ * most HDR_FLIP_MOST_PIXELS; HDR_BAD_DATA: HDR-FLIP of what is encoded. */
+typedef struct hdr_flip_reference hdr_flip_reference;
+hdr_flip_reference *hdr_flip_prepare(const hdr_chain *chain, hdr_input *reference, hdr_flip_kind kind,
+                                     double pixels_per_degree, int tests, hdr_error *err);
+void hdr_flip_reference_free(hdr_flip_reference *reference);
+
+/* Compares a test with it. The result does not depend on threads, nor on memory. Release it with hdr_flip_free,
+ * whatever the status. HDR_BAD_DATA: they are not of one form. */
+hdr_status hdr_flip_compare(hdr_flip_reference *reference, hdr_input *test, bool map, hdr_flip *out, hdr_error *err);
+void hdr_flip_free(hdr_flip *flip);
+
+/* ---- Noise ------------------------------------------------------------------------------------------------------- */
 
 enum { HDR_NOISE_LEVELS = 16 };
 
@@ -456,8 +496,7 @@ hdr_status hdr_measure_noise(const hdr_chain *chain, int count, hdr_input *const
                              hdr_noise *out, hdr_error *err);
 void hdr_noise_free(hdr_noise *noise);
 
-/* ---- Surrounds ------------------------------------------------------------------------------------------------------
- */
+/* ---- Surrounds --------------------------------------------------------------------------------------------------- */
 
 /* A pixel of the data window, whose upper left one is 0,0. */
 typedef struct hdr_pixel {
@@ -485,8 +524,7 @@ hdr_surround *hdr_chain_surround(hdr_chain *chain, hdr_input *input, int count, 
                                  const hdr_listener *listener, hdr_error *err);
 void hdr_surround_free(hdr_surround *surround);
 
-/* ---- OpenColorIO ----------------------------------------------------------------------------------------------------
- */
+/* ---- OpenColorIO ------------------------------------------------------------------------------------------------- */
 
 typedef enum hdr_ocio_kind {
     HDR_OCIO_SPACE,   /* a colour space */
@@ -543,8 +581,7 @@ typedef struct hdr_agreement {
 hdr_status hdr_crosscheck(const char *verb, int threads, hdr_agreement agreements[], int room, int *count,
                           hdr_error *err);
 
-/* ---- Contents -------------------------------------------------------------------------------------------------------
- */
+/* ---- Contents ---------------------------------------------------------------------------------------------------- */
 
 /* A channel as the file has it: "left.R". One of every x_sampling pixels of a row is stored, of every y_sampling rows.
  */

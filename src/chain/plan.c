@@ -51,8 +51,7 @@ static hdr_status start_colour(planning *p, hdr_error *err) {
     return HDR_OK;
 }
 
-/* Encoded pictures are in Rec.709's primaries: the conversion stands in front of the first verb that encodes or
- * quantises. */
+/* Encoded pictures have Rec.709's primaries: so the conversion precedes the first verb that encodes or quantises. */
 static hdr_status convert_primaries(planning *p, hdr_error *err) {
     hdr_run *run = p->run;
     const hdr_picture *picture = &run->source->picture;
@@ -341,6 +340,7 @@ static hdr_status choose_format(const hdr_chain *chain, const hdr_output *output
     const char *name = hdr_output_name(output), *ending;
     const hdr_verb *named = hdr_verb_of_file(name, &ending);
     *verb = last && last->verb->format ? last->verb : ending ? named : hdr_verb_find("exr");
+    if (hdr_output_takes_pixels(output)) *verb = &hdr_verb_planes;
     if (*verb && named && named != *verb)
         return hdr_fail(err, HDR_USAGE, "%s: the chain ends in %s, which is no %s", name, (*verb)->about.name, ending);
     if (*verb) return HDR_OK;

@@ -29,10 +29,6 @@ void hdr_input_skip(hdr_input *input, uint64_t length);
 hdr_status hdr_input_forward(hdr_input *input, int descriptor, hdr_error *err);
 
 /* The pixels of hdr_input_planes, or NULL for a file. */
-typedef struct hdr_planes {
-    int width, height, planes;
-    const float *plane[3], *alpha;
-} hdr_planes;
 const hdr_planes *hdr_input_get_planes(const hdr_input *input);
 
 /* The inputs of hdr_input_join, or NULL for any other. */

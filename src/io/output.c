@@ -41,6 +41,8 @@ struct hdr_output {
     bool owns_descriptor;
     bool committed;
     held_bytes held;
+    bool takes_pixels, has_alpha;
+    hdr_planes pixels; /* planes: 0 until the sink has told; what it points to is found at commit */
 };
 
 /* ---- Names that a signal handler removes ----------------------------------------------------------------------------
@@ -349,6 +351,25 @@ hdr_output *hdr_output_memory(hdr_error *err) {
     return output_new("memory", err);
 }
 
+hdr_output *hdr_output_planes(hdr_error *err) {
+    hdr_output *output = output_new("memory", err);
+    if (output) output->takes_pixels = true;
+    return output;
+}
+
+bool hdr_output_takes_pixels(const hdr_output *output) {
+    return output->takes_pixels;
+}
+
+void hdr_output_describe(hdr_output *output, int width, int height, int planes, bool alpha) {
+    output->pixels = (hdr_planes){.width = width, .height = height, .planes = planes};
+    output->has_alpha = alpha;
+}
+
+const hdr_planes *hdr_output_pixels(const hdr_output *output) {
+    return output->committed && output->pixels.planes > 0 ? &output->pixels : NULL;
+}
+
 const char *hdr_output_name(const hdr_output *output) {
     return output->name;
 }
@@ -387,7 +408,18 @@ static hdr_status commit_file(hdr_output *output, hdr_error *err) {
     return HDR_OK;
 }
 
+/* Held bytes do not move any more. */
+static void find_pixels(hdr_output *output) {
+    hdr_planes *pixels = &output->pixels;
+    const float *at = (const float *)(const void *)output->held.data;
+    size_t count = (size_t)pixels->width * (size_t)pixels->height;
+    for (int p = 0; p < pixels->planes; p++, at += count)
+        pixels->plane[p] = at;
+    if (output->has_alpha) pixels->alpha = at;
+}
+
 static hdr_status commit_held(hdr_output *output, hdr_error *err) {
+    find_pixels(output);
     if (output->descriptor < 0) return HDR_OK;
     hdr_status status = write_held(output, err);
     return status == HDR_OK ? close_descriptor(output, err) : status;

@@ -7,6 +7,10 @@
 /* The name that was given ("a.png"), or "standard output", or "memory". */
 const char *hdr_output_name(const hdr_output *output);
 
+/* Whether pixels are wanted. The sink says what they are before it writes: each plane row after row, then alpha. */
+bool hdr_output_takes_pixels(const hdr_output *output);
+void hdr_output_describe(hdr_output *output, int width, int height, int planes, bool alpha);
+
 /* Writes at a position. Into the temporary file (then errors of the disk come at once: HDR_IO), or into memory that is
  * held until commit. Positions may come in any order; gaps are zeros. One thread at a time. */
 hdr_status hdr_output_write(hdr_output *output, const void *data, size_t size, uint64_t offset, hdr_error *err);

@@ -81,7 +81,9 @@ typedef enum hdr_compression {
 } hdr_compression; /* in the order of hdr_compression_names (exr_compression.c) and of OpenEXR's own numbers */
 extern const char *const hdr_compression_names[];
 
-/* Each takes a frame that fits it: png U8 or U16, pfm and rgbe FLOAT without alpha, pfs FLOAT, exr FLOAT or HALF. */
+/* Each takes a frame that fits it: png U8 or U16, pfm and rgbe FLOAT without alpha, pfs and planes FLOAT, exr FLOAT or
+ * HALF. planes is for an output that takes pixels. */
+hdr_sink *hdr_planes_create(hdr_output *output, const hdr_frame *frame, hdr_error *err);
 hdr_sink *hdr_png_create(hdr_output *output, const hdr_frame *frame, hdr_error *err);
 hdr_sink *hdr_pfm_create(hdr_output *output, const hdr_frame *frame, hdr_error *err);
 hdr_sink *hdr_rgbe_create(hdr_output *output, const hdr_frame *frame, hdr_error *err);

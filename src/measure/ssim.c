@@ -4,73 +4,44 @@
  */
 #include "base/pool.h"
 #include "chain/chain.h"
-#include "io/forms.h"
 #include "kernel/real.h"
+#include "measure/view.h"
 
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { SIDE = 11, HALF = SIDE / 2 };
 
-/* What of a picture is compared: its luma, Y' = 0.2126 R' + 0.7152 G' + 0.0722 B', rows from below. */
+/* What of a picture is compared: its luma, Y' = 0.2126 R' + 0.7152 G' + 0.0722 B'. */
 typedef struct luma {
     int width, height;
     double *value;
 } luma;
 
-/* ---- Luma ---- */
-
-/* The chain that makes codes of the picture before they are rounded: what is linear is encoded by sRGB. */
-static hdr_chain *encoding_chain(const hdr_chain *like, const hdr_picture *picture, hdr_error *err) {
-    static const char *const clamp[] = {"clamp"}, *const srgb[] = {"srgb"}, *const pfm[] = {"pfm", "-q"};
-    hdr_chain *chain = hdr_chain_new_like(like, err);
-    bool linear = strcmp(picture->state, "linear") == 0;
-    hdr_status status = chain ? hdr_chain_add(chain, clamp, 1, err) : HDR_INTERNAL;
-    if (status == HDR_OK && linear) status = hdr_chain_add(chain, srgb, 1, err);
-    if (status == HDR_OK) status = hdr_chain_add(chain, pfm, hdr_chain_settings(like)->quiet ? 1 : 2, err);
-    if (status == HDR_OK) chain->common.window = HDR_WINDOW_DATA;
-    if (status == HDR_OK) return chain;
-    hdr_chain_free(chain);
-    return NULL;
-}
-
-/* Of a PFM that the library has written. */
-static hdr_status read_luma(const unsigned char *bytes, size_t size, luma *to, hdr_error *err) {
-    char kind = 0, head[64] = "";
-    memcpy(head, bytes, size < sizeof head - 1 ? size : sizeof head - 1);
-    if (sscanf(head, "P%c %d %d", &kind, &to->width, &to->height) != 3)
-        return hdr_fail(err, HDR_INTERNAL, "the encoded picture cannot be read back");
-    size_t pixels = (size_t)to->width * (size_t)to->height, planes = kind == 'F' ? 3 : 1;
-    const unsigned char *numbers = bytes + size - pixels * planes * sizeof(float);
-    to->value = hdr_alloc(pixels, sizeof *to->value);
-    if (!to->value) return hdr_fail(err, HDR_INTERNAL, "out of memory");
-    for (size_t i = 0; i < pixels; i++) {
-        float c[3];
-        memcpy(c, numbers + i * planes * sizeof(float), planes * sizeof(float));
-        to->value[i] = planes == 1 ? c[0] : 0.2126 * (double)c[0] + 0.7152 * (double)c[1] + 0.0722 * (double)c[2];
-    }
-    return HDR_OK;
-}
+struct hdr_structure {
+    const hdr_chain *chain;
+    hdr_input *reference;
+    luma luma; /* the reference's */
+};
 
 static hdr_status make_luma(const hdr_chain *like, hdr_input *input, luma *to, hdr_error *err) {
-    hdr_picture picture;
-    hdr_status status = hdr_input_picture(input, like, &picture, err);
-    hdr_chain *chain = status == HDR_OK ? encoding_chain(like, &picture, err) : NULL;
-    hdr_output *output = chain ? hdr_output_memory(err) : NULL;
-    if (status == HDR_OK) status = output ? hdr_chain_run(chain, input, output, NULL, err) : HDR_INTERNAL;
-    size_t size = 0;
-    const unsigned char *bytes = status == HDR_OK ? hdr_output_bytes(output, &size) : NULL;
-    if (status == HDR_OK) status = read_luma(bytes, size, to, err);
+    hdr_output *output = hdr_view_pixels(like, input, HDR_VIEW_ENCODED, err);
+    if (!output) return err->status;
+    const hdr_planes *pixels = hdr_output_pixels(output);
+    size_t count = (size_t)pixels->width * (size_t)pixels->height;
+    const float *const *c = pixels->plane;
+    *to = (luma){pixels->width, pixels->height, hdr_alloc(count, sizeof *to->value)};
+    for (size_t i = 0; to->value && i < count; i++)
+        to->value[i] = pixels->planes == 1
+                           ? c[0][i]
+                           : 0.2126 * (double)c[0][i] + 0.7152 * (double)c[1][i] + 0.0722 * (double)c[2][i];
     hdr_output_free(output);
-    hdr_chain_free(chain);
-    return status;
+    return to->value ? HDR_OK : hdr_fail(err, HDR_INTERNAL, "out of memory");
 }
 
 /* ---- Windows ---- */
 
 typedef struct comparing {
-    luma x, y;
+    const luma *x, *y;
     double weight[SIDE];
     double *sums; /* of each row of windows */
 } comparing;
@@ -89,13 +60,13 @@ static double similarity(const double mean[MEANS]) {
 static hdr_status compare_row(void *context, int row, int thread, hdr_error *err) {
     (void)thread;
     comparing *c = context;
-    size_t width = (size_t)c->x.width;
+    size_t width = (size_t)c->x->width;
     double(*column)[MEANS] = hdr_alloc(width, sizeof *column);
     if (!column) return hdr_fail(err, HDR_INTERNAL, "out of memory");
     for (int k = 0; k < SIDE; k++)
         for (size_t i = 0; i < width; i++) {
-            double x = c->x.value[((size_t)row + (size_t)k) * width + i];
-            double y = c->y.value[((size_t)row + (size_t)k) * width + i];
+            double x = c->x->value[((size_t)row + (size_t)k) * width + i];
+            double y = c->y->value[((size_t)row + (size_t)k) * width + i];
             column[i][OF_X] += c->weight[k] * x;
             column[i][OF_Y] += c->weight[k] * y;
             column[i][OF_XX] += c->weight[k] * (x * x);
@@ -114,16 +85,16 @@ static hdr_status compare_row(void *context, int row, int thread, hdr_error *err
 }
 
 static hdr_status compare(comparing *c, int threads, double *ssim, hdr_error *err) {
-    if (c->x.width != c->y.width || c->x.height != c->y.height)
+    if (c->x->width != c->y->width || c->x->height != c->y->height)
         return hdr_fail(err, HDR_BAD_DATA, "the pictures differ in size");
-    if (c->x.width < SIDE || c->x.height < SIDE)
+    if (c->x->width < SIDE || c->x->height < SIDE)
         return hdr_fail(err, HDR_BAD_DATA, "structural similarity needs %d x %d pixels", SIDE, SIDE);
     double sum = 0;
     for (int k = 0; k < SIDE; k++)
         sum += c->weight[k] = hdr_exp(-0.5 * (k - HALF) * (k - HALF) / (1.5 * 1.5));
     for (int k = 0; k < SIDE; k++)
         c->weight[k] /= sum;
-    int rows = c->x.height - SIDE + 1, columns = c->x.width - SIDE + 1;
+    int rows = c->x->height - SIDE + 1, columns = c->x->width - SIDE + 1;
     c->sums = hdr_alloc((size_t)rows, sizeof *c->sums);
     hdr_pool *pool = c->sums ? hdr_pool_new(threads, err) : NULL;
     if (!c->sums) hdr_fail(err, HDR_INTERNAL, "out of memory");
@@ -137,19 +108,36 @@ static hdr_status compare(comparing *c, int threads, double *ssim, hdr_error *er
     return status;
 }
 
-hdr_status hdr_compare_structure(const hdr_chain *chain, hdr_input *test, hdr_input *reference, double *ssim,
-                                 hdr_error *err) {
+/* ---- In all ---- */
+
+hdr_structure *hdr_structure_new(const hdr_chain *chain, hdr_input *reference, hdr_error *err) {
     hdr_error unheard = {0};
     if (!err) err = &unheard;
-    comparing c = {.x = {.width = 0}};
-    hdr_reading reading = hdr_chain_reading(chain);
-    hdr_source **alike = hdr_open_alike(2, (hdr_input *const[]){test, reference}, &reading, false, err);
-    if (!alike) return err->status;
-    hdr_close_alike(2, alike);
-    hdr_status status = make_luma(chain, test, &c.x, err);
-    if (status == HDR_OK) status = make_luma(chain, reference, &c.y, err);
-    if (status == HDR_OK) status = compare(&c, hdr_chain_settings(chain)->threads, ssim, err);
-    free(c.x.value);
-    free(c.y.value);
+    hdr_structure *structure = hdr_alloc(1, sizeof *structure);
+    if (!structure) {
+        hdr_fail(err, HDR_INTERNAL, "out of memory");
+        return NULL;
+    }
+    *structure = (hdr_structure){.chain = chain, .reference = reference};
+    if (make_luma(chain, reference, &structure->luma, err) == HDR_OK) return structure;
+    hdr_structure_free(structure);
+    return NULL;
+}
+
+hdr_status hdr_structure_compare(const hdr_structure *structure, hdr_input *test, double *ssim, hdr_error *err) {
+    hdr_error unheard = {0};
+    if (!err) err = &unheard;
+    luma luma = {0};
+    hdr_status status = hdr_check_alike(structure->chain, test, structure->reference, err);
+    if (status == HDR_OK) status = make_luma(structure->chain, test, &luma, err);
+    comparing c = {.x = &luma, .y = &structure->luma};
+    if (status == HDR_OK) status = compare(&c, hdr_chain_settings(structure->chain)->threads, ssim, err);
+    free(luma.value);
     return status;
+}
+
+void hdr_structure_free(hdr_structure *structure) {
+    if (!structure) return;
+    free(structure->luma.value);
+    free(structure);
 }

@@ -5,13 +5,14 @@
 #include <string.h>
 
 typedef struct error_params {
-    const char *against, *threshold;
-    int rank;
-    hdr_number epsilon, peak;
+    const char *against, *threshold, *flip_map;
+    int rank, flip;
+    hdr_number epsilon, peak, pixels_per_degree;
     bool csv, by_channel, ssim;
 } error_params;
 
-static const char *const figures[] = {"rmse", "mse", "mae", "mrse", "mape", "smape", NULL};
+static const char *const figures[] = {"rmse", "mse", "mae", "mrse", "mape", "smape", "flip", NULL};
+static const char *const flips[] = {"none", "auto", "ldr", "hdr", NULL};
 static const char *const none[] = {"none", NULL};
 
 static const hdr_option options[] = {
@@ -56,6 +57,27 @@ static const hdr_option options[] = {
      .type = HDR_OPTION_FLAG,
      .offset = offsetof(error_params, ssim),
      .help = "tell the structural similarity of the encoded pictures, too"},
+    {.name = "flip",
+     .type = HDR_OPTION_CHOICE,
+     .offset = offsetof(error_params, flip),
+     .metavar = "KIND",
+     .words = flips,
+     .default_value = "none",
+     .help = "tell FLIP, too: of what a display shows, or of light; auto: of light where the pictures are linear"},
+    {.name = "pixels-per-degree",
+     .type = HDR_OPTION_NUMBER,
+     .offset = offsetof(error_params, pixels_per_degree),
+     .metavar = "P",
+     .min = 0,
+     .max = HDR_FLIP_MOST_PIXELS,
+     .above_min = true,
+     .default_value = "67.0206",
+     .help = "how many FLIP's viewer sees: 3840 on 0.7 m from 0.7 m by default"},
+    {.name = "flip-map",
+     .type = HDR_OPTION_TEXT,
+     .offset = offsetof(error_params, flip_map),
+     .metavar = "OUT",
+     .help = "write each pixel's FLIP there, of one test"},
     {.name = "by-channel",
      .type = HDR_OPTION_FLAG,
      .offset = offsetof(error_params, by_channel),
@@ -84,13 +106,17 @@ static hdr_status check(const void *params, const hdr_options *given, hdr_error 
     if (p->against && !*p->against) return hdr_refuse_text(options, "against", "", "names no file", err);
     if (p->threshold && !is_threshold(p->threshold))
         return hdr_refuse_text(options, "threshold", p->threshold,
-                               "is no figure (rmse, mse, mae, mrse, mape or smape), = and a number, such as rmse=0.01",
+                               "is no figure (rmse, mse, mae, mrse, mape, smape or flip), = and a number, such as "
+                               "rmse=0.01",
                                err);
+    if (p->flip_map && (!*p->flip_map || !strcmp(p->flip_map, "-")))
+        return hdr_refuse_text(options, "flip-map", p->flip_map, "names no file", err);
     return HDR_OK;
 }
 
 static const char *const examples[] = {"hdr error --against IN.exr IN.exr",
-                                       "hdr error --against IN.exr --threshold rmse=0.01 --json IN.exr", NULL};
+                                       "hdr error --against IN.exr --threshold rmse=0.01 --json IN.exr",
+                                       "hdr error --against IN.exr --flip auto --flip-map OUT.exr IN.exr", NULL};
 
 const hdr_verb hdr_verb_error = {
     .about =
@@ -107,6 +133,20 @@ const hdr_verb hdr_verb_error = {
              "Components are taken as they are stored, colour associated with alpha; where either is NaN or "
              "infinite, they are left out and counted. The pixel with the largest difference is told, in the file's "
              "coordinates.\n\n"
+             "flip is how large a difference is seen when the two pictures are shown in turn at one place, in [0,1], "
+             "the mean over pixels (FLIP, Andersson et al. 2020): an edge or a point that one of them lacks counts, "
+             "noise that is too fine for the eye does not. It depends on --pixels-per-degree, which is the distance "
+             "from the display, in its widths, times its pixels across, times pi / 180. LDR-FLIP is of what a display "
+             "shows: encoded pictures as they are, taken for sRGB, linear ones clamped to [0,1]. HDR-FLIP (Andersson "
+             "et "
+             "al. 2021) is of light: in each pixel the largest over exposures, tone mapped by a fit of the ACES curve. "
+             "The first exposure takes the reference's largest luminance to 0.85 on the display, the last its median, "
+             "and those between are a stop or so apart. Where half of the reference is black, the median of the rest "
+             "counts. What is good enough depends on the scene: compare FLIPs of one reference, one kind and one "
+             "number of pixels per degree. The median and the quartiles are weighted, as its authors have them: half "
+             "of all error is in pixels with no more than the median. FLIP and its map, which begins at 0,0, are of "
+             "the data window, repaired, over black. A ranking by flip, a threshold of it and its map call for it, "
+             "too.\n\n"
              "Several tests are ranked by --rank. Behind the figure stands its standard error, from how it differs "
              "between squares of 64 pixels, where there are two or more. A test is marked by = if it cannot be told "
              "from the one above it: they differ by no more than 1.96 standard errors of the difference, square by "

@@ -235,6 +235,9 @@ struct hdr_verb {
 const hdr_verb *hdr_verb_find(const char *name);
 const hdr_verb *hdr_verb_number(int index); /* NULL behind the last */
 
+/* The format of an output that takes pixels: it is none of them. */
+extern const hdr_verb hdr_verb_planes;
+
 /* The format that a file's name calls for by its ending, in any case of letters. *ending: where that begins, or NULL
  * where the name has none. NULL: no format has it. */
 const hdr_verb *hdr_verb_of_file(const char *file_name, const char **ending);

@@ -95,6 +95,7 @@ while read -r verb kind; do
         case $verb$option in
         bench--reference | bench--plot) continue ;; # test_bench.sh is about them
         error--against | error--threshold) continue ;; # test_measure.sh
+        error--flip-map) continue ;; # test_flip.sh
         noise--sampling-map) continue ;; # test_noise.sh
         crosscheck--only | smooth--sigma-picture) continue ;; # result() gives it
         # test_ocio.sh is about them

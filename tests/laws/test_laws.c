@@ -263,8 +263,11 @@ static unsigned long compared_codes, changed_codes;
 
 static void check_exposure(const law_variant *variant, const law_picture *picture, const law_picture *scaled,
                            int stops) {
-    law_result a = law_run(picture, "%s then png -j 1 --explain", variant->words);
-    law_result b = law_run(scaled, "%s then png -j 1", variant->words);
+    /* a legend tells the exposure */
+    bool legend = hdr_option_find(variant->verb->about.options, "no-legend") && !strstr(variant->words, "--no-legend");
+    const char *bare = legend ? " --no-legend" : "";
+    law_result a = law_run(picture, "%s%s then png -j 1 --explain", variant->words, bare);
+    law_result b = law_run(scaled, "%s%s then png -j 1", variant->words, bare);
     /* what has nothing to measure by leaves the picture as it is: black, or a percentile that is not above 0 */
     if (strstr(a.said, "skipped:")) {
         free(a.bytes);
@@ -402,9 +405,11 @@ static void check_ascends(const law_variant *variant, const char *what, const fl
           count ? values[first] : 0);
 }
 
-/* Global curves: those that look at a pixel by itself, and not at its place, by a formula of their own. */
+/* Global curves: those that look at a pixel by itself, and not at its place, by a formula of their own. What is shown
+ * by a palette grows by the palette's order, which is no order of numbers. */
 static bool is_global(const law_variant *variant, const hdr_step *step) {
-    return !is_spatial(variant) && step->form != HDR_FORM_PLACED && step->form != HDR_FORM_MAPPED;
+    return !is_spatial(variant) && step->form != HDR_FORM_PLACED && step->form != HDR_FORM_MAPPED &&
+           step->form != HDR_FORM_PALETTE;
 }
 
 static void test_monotone(void) {
