@@ -61,8 +61,14 @@ hdr_status hdr_chain_spell_out(hdr_chain *chain, hdr_error *err);
 /* The common options that do not travel, as chain has them: they stay with the program they were given to. */
 hdr_status hdr_chain_add_local(hdr_chain *whole, const hdr_chain *chain, hdr_error *err);
 
+/* ---- guided.c ---- */
+
 /* The clause that filters by a second picture, which stands in front or behind a join; NULL: there is none. */
 const hdr_clause *hdr_chain_guided(const hdr_chain *chain);
+
+/* Opens the second picture, where there is such a clause: before the first, as whoever waits for a pipe should not wait
+ * in vain. */
+hdr_status hdr_guide_open(const hdr_chain *chain, hdr_input **guide, hdr_error *err);
 
 /* ---- reading.c ---- */
 
@@ -72,6 +78,10 @@ const char *hdr_common_fault(const hdr_common *common, const hdr_option *option)
 
 /* How the chain's file is to be read. The strings belong to the chain. */
 hdr_reading hdr_chain_reading(const hdr_chain *chain);
+
+/* Hands a fault on, with the input's name in front, unless the message begins with that or with the guide's, where
+ * there is one, or the fault is none of the input's. */
+hdr_status hdr_fail_of_input(hdr_error *err, const hdr_error *own, const hdr_input *input, const hdr_input *guide);
 
 /* ---- head.c ---- */
 

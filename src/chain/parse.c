@@ -263,11 +263,6 @@ bool hdr_chain_joins(const hdr_chain *chain) {
     return chain->count > 0 && chain->clauses[0].verb->join;
 }
 
-const hdr_clause *hdr_chain_guided(const hdr_chain *chain) {
-    int first = hdr_chain_joins(chain);
-    return first < chain->count && chain->clauses[first].verb->guide ? &chain->clauses[first] : NULL;
-}
-
 const hdr_verb_about *hdr_chain_last(const hdr_chain *chain) {
     return chain->count ? hdr_chain_clause(chain, chain->count) : hdr_chain_leader(chain);
 }

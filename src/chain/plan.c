@@ -480,21 +480,6 @@ static void say_filtered(void *context, hdr_message kind, const char *line) {
     f->listener->say(f->listener->context, kind, line);
 }
 
-static bool begins_with(const hdr_error *own, const hdr_input *input) {
-    hdr_error name = {0};
-    hdr_fail(&name, own->status, "%s", hdr_input_name(input)); /* as messages have it: printable */
-    size_t length = strlen(name.message);
-    return !strncmp(own->message, name.message, length) && (own->message[length] == ':' || own->message[length] == ' ');
-}
-
-/* Puts the input's name in front, unless the message begins with it, or with the guide's, where there is one. */
-static hdr_status with_name(hdr_error *err, const hdr_error *own, const hdr_input *input, const hdr_input *guide) {
-    bool named = begins_with(own, input) || (guide && begins_with(own, guide));
-    if (named || own->status == HDR_USAGE || own->status == HDR_CANT_CREATE || own->status == HDR_IO)
-        return hdr_fail(err, own->status, "%s", own->message);
-    return hdr_fail(err, own->status, "%s: %s", hdr_input_name(input), own->message);
-}
-
 /* What the clauses need beside the picture. Before that is opened: whoever waits for a pipe should not wait in vain. */
 static hdr_status open_mappers(const hdr_chain *chain, hdr_mapper **mappers, hdr_error *err) {
     for (int i = 0; i < chain->count; i++) {
@@ -505,17 +490,6 @@ static hdr_status open_mappers(const hdr_chain *chain, hdr_mapper **mappers, hdr
             return hdr_fail(err, own.status, "clause %d (%s): %s", i + 1, clause->verb->about.name, own.message);
     }
     return HDR_OK;
-}
-
-/* The second picture, where the chain filters by one. For the same reason as early. */
-static hdr_status open_guide(const hdr_chain *chain, hdr_input **guide, hdr_error *err) {
-    const hdr_clause *clause = hdr_chain_guided(chain);
-    hdr_guiding guiding = {0};
-    hdr_error own = {0};
-    if (!clause) return HDR_OK;
-    if (!clause->verb->guide(clause->params, &guiding, &own)) *guide = hdr_input_open(guiding.picture, &own);
-    if (*guide) return HDR_OK;
-    return hdr_fail(err, own.status, "%s: %s", clause->verb->about.name, own.message);
 }
 
 static void close_mappers(hdr_mapper **mappers, int count) {
@@ -535,7 +509,7 @@ static hdr_status run_chain(hdr_chain *chain, hdr_input *input, const hdr_listen
     if (whole && !mappers) hdr_fail(&own, HDR_INTERNAL, "out of memory");
     hdr_input *guide = NULL;
     hdr_status status = own.status ? own.status : open_mappers(whole, mappers, err); /* no fault of the picture */
-    if (!status) status = open_guide(whole, &guide, err);
+    if (!status) status = hdr_guide_open(whole, &guide, err);
     if (!status) {
         filtered settings = {listener, chain->common.explain, chain->common.verbose};
         hdr_listener chosen = {say_filtered, &settings};
@@ -553,7 +527,7 @@ static hdr_status run_chain(hdr_chain *chain, hdr_input *input, const hdr_listen
     }
     if (whole) close_mappers(mappers, whole->count);
     hdr_chain_free(whole);
-    status = own.status ? with_name(err, &own, input, guide) : status;
+    status = own.status ? hdr_fail_of_input(err, &own, input, guide) : status;
     hdr_input_free(guide);
     return status;
 }
@@ -604,7 +578,7 @@ hdr_status hdr_input_picture(hdr_input *input, const hdr_chain *chain, hdr_pictu
     hdr_source_close(source);
     hdr_chain_free(whole);
     hdr_chain_free(none);
-    return own.status ? with_name(err, &own, input, NULL) : HDR_OK;
+    return own.status ? hdr_fail_of_input(err, &own, input, NULL) : HDR_OK;
 }
 
 hdr_contents *hdr_input_contents(hdr_input *input, hdr_error *err) {
@@ -615,6 +589,6 @@ hdr_contents *hdr_input_contents(hdr_input *input, hdr_error *err) {
     hdr_contents *contents = head ? hdr_source_contents(input, &reading, &own) : NULL;
     hdr_chain_free(head);
     hdr_chain_free(none);
-    if (own.status) with_name(err, &own, input, NULL);
+    if (own.status) hdr_fail_of_input(err, &own, input, NULL);
     return contents;
 }

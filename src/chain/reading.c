@@ -68,3 +68,17 @@ hdr_reading hdr_chain_reading(const hdr_chain *chain) {
     if (common->crop) read_crop(common->crop, &reading.crop);
     return reading;
 }
+
+static bool begins_with(const hdr_error *own, const hdr_input *input) {
+    hdr_error name = {0};
+    hdr_fail(&name, own->status, "%s", hdr_input_name(input)); /* as messages have it: printable */
+    size_t length = strlen(name.message);
+    return !strncmp(own->message, name.message, length) && (own->message[length] == ':' || own->message[length] == ' ');
+}
+
+hdr_status hdr_fail_of_input(hdr_error *err, const hdr_error *own, const hdr_input *input, const hdr_input *guide) {
+    bool named = begins_with(own, input) || (guide && begins_with(own, guide));
+    if (named || own->status == HDR_USAGE || own->status == HDR_CANT_CREATE || own->status == HDR_IO)
+        return hdr_fail(err, own->status, "%s", own->message);
+    return hdr_fail(err, own->status, "%s: %s", hdr_input_name(input), own->message);
+}

@@ -1,7 +1,6 @@
 #include "chain/run.h"
 
 #include "io/join.h"
-#include "io/smooth.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -44,24 +43,6 @@ static hdr_source *open_source(const hdr_chain *chain, hdr_input *input, hdr_err
     return NULL;
 }
 
-/* The source filtered by a second picture, if the chain says so. It is taken over. */
-static hdr_source *guide_source(hdr_run *run, hdr_source *source, hdr_input *guide, hdr_error *err) {
-    const hdr_clause *clause = hdr_chain_guided(run->chain);
-    if (!source || !clause) return source;
-    hdr_reading reading = hdr_chain_reading(run->chain);
-    hdr_guiding guiding = {0};
-    if (clause->verb->guide(clause->params, &guiding, err)) {
-        hdr_source_close(source);
-        return NULL;
-    }
-    guiding.filter.reference = run->settings.reference;
-    guiding.filter.no_skip = run->settings.no_skip;
-    run->guided = true;
-    hdr_say(run->listener, HDR_EXPLAIN, "clause %d (%s): %s", hdr_chain_joins(run->chain) + 1, clause->verb->about.name,
-            guiding.note);
-    return hdr_smooth_open(source, run->input, guide, &reading, &guiding.filter, err);
-}
-
 /* As many as can be of use: to decode blocks, and to compute what is around a picture's pixels, by rows. */
 static int useful_threads(const hdr_run *run) {
     enum { ROWS = 16 };
@@ -78,7 +59,7 @@ hdr_status hdr_run_open(hdr_run *run, const hdr_chain *chain, hdr_input *input, 
     run->name = hdr_input_name(input);
     run->source = open_source(chain, input, err);
     if (hdr_chain_joins(chain)) run->joined = run->source;
-    run->source = guide_source(run, run->source, guide, err);
+    run->source = hdr_run_guide(run, run->source, guide, err);
     if (!run->source) return err->status;
     run->thread_count = useful_threads(run);
     run->pool = hdr_pool_new(run->thread_count, err);
@@ -353,24 +334,6 @@ static void count_of(char *text, size_t size, uint64_t count, const char *what) 
     if (count) snprintf(text + used, size - used, "%s%llu %s", used ? ", " : "", (unsigned long long)count, what);
 }
 
-/* What was smoothed, said once. */
-static hdr_status report_smoothing(const hdr_run *run, hdr_error *err) {
-    if (!run->guided) return HDR_OK;
-    hdr_smoothed counts = hdr_smooth_counts(run->source);
-    const char *name = hdr_chain_guided(run->chain)->verb->about.name;
-    hdr_say(run->listener, HDR_EXPLAIN,
-            "%s: %llu of %llu pixels (%.1f %%) are left alone, as their noise is 0 or too low", name,
-            (unsigned long long)counts.left_alone, (unsigned long long)counts.pixels,
-            counts.pixels ? 100 * (double)counts.left_alone / (double)counts.pixels : 0);
-    if (!counts.unusable) return HDR_OK;
-    if (run->settings.strict)
-        return hdr_fail(err, HDR_BAD_DATA, "%s: %llu standard deviations are NaN or infinite", name,
-                        (unsigned long long)counts.unusable);
-    hdr_say(run->listener, HDR_NOTE, "%s: standard deviations that are NaN or infinite (now 0): %llu", name,
-            (unsigned long long)counts.unusable);
-    return HDR_OK;
-}
-
 /* The components that are no finite numbers, said once. */
 static hdr_status report_repairs(const hdr_run *run, hdr_error *err) {
     const hdr_raw *raw = &run->raw;
@@ -451,7 +414,7 @@ hdr_status hdr_run_sweep(hdr_run *run, const hdr_sweep *sweep, hdr_error *err) {
         raw->nan = met.nan;
         raw->positive_infinity = met.positive_infinity;
         raw->negative_infinity = met.negative_infinity;
-        status = report_smoothing(run, err);
+        status = hdr_run_report_guided(run, err);
         if (!status) status = report_repairs(run, err);
         if (status || as_it_is) return status;
         hdr_say(run->listener, HDR_EXPLAIN, "the sweep is made again: the picture is %s after all",

@@ -127,6 +127,15 @@ double hdr_milliseconds(void);
  */
 hdr_status hdr_run_guess(hdr_run *run, bool grey_matters, hdr_error *err);
 
+/* ---- guided.c ---- */
+
+/* The source filtered by the second picture, if the chain says so. It is taken over in any case; NULL: err is filled.
+ */
+hdr_source *hdr_run_guide(hdr_run *run, hdr_source *source, hdr_input *guide, hdr_error *err);
+
+/* What was filtered, said once, and what was wrong with the second picture: HDR_BAD_DATA with --strict. */
+hdr_status hdr_run_report_guided(const hdr_run *run, hdr_error *err);
+
 /* ---- plan.c ---- */
 
 /* What is done with a chain of filters once it is planned. state: what the pixels are; converted: the primaries are

@@ -9,6 +9,7 @@
 
 #include <float.h>
 #include <glob.h>
+#include <limits.h>
 #include <math.h>
 #include <png.h>
 #include <stdarg.h>
@@ -537,6 +538,20 @@ static inline uint16_t *law_read_png(const law_result *result, size_t *count) {
     }
     png_destroy_read_struct(&png, &info, NULL);
     return samples;
+}
+
+/* The farthest of all codes of two PNGs. */
+static inline int law_code_distance(const law_result *a, const law_result *b) {
+    size_t count = 0, other_count = 0;
+    uint16_t *codes = law_read_png(a, &count), *others = law_read_png(b, &other_count);
+    int farthest = codes && others && count == other_count ? 0 : INT_MAX;
+    for (size_t i = 0; farthest != INT_MAX && i < count; i++) {
+        int distance = abs((int)codes[i] - (int)others[i]);
+        farthest = distance > farthest ? distance : farthest;
+    }
+    free(codes);
+    free(others);
+    return farthest;
 }
 
 #endif

@@ -4,7 +4,6 @@
  * names the second picture. */
 #include "laws.h"
 
-#include <limits.h>
 #include <unistd.h>
 
 static char folder[] = "/tmp/hdr-laws-XXXXXX";
@@ -78,20 +77,6 @@ static void check_same(const law_picture *picture, const law_variant *variant, c
     free(other.bytes);
 }
 
-/* The farthest of all codes of two PNGs. */
-static int code_distance(const law_result *a, const law_result *b) {
-    size_t count = 0, other_count = 0;
-    uint16_t *codes = law_read_png(a, &count), *others = law_read_png(b, &other_count);
-    int farthest = codes && others && count == other_count ? 0 : INT_MAX;
-    for (size_t i = 0; farthest != INT_MAX && i < count; i++) {
-        int distance = abs((int)codes[i] - (int)others[i]);
-        farthest = distance > farthest ? distance : farthest;
-    }
-    free(codes);
-    free(others);
-    return farthest;
-}
-
 static void check_settings(const law_picture *picture, const law_variant *variant) {
     static const char *const settings[] = {"-j 2", "-j 5 --memory 1M", "-j 1 --no-skip"};
     static const char *const formats[] = {"png", "pfm", "log then png"};
@@ -114,7 +99,7 @@ static void check_settings(const law_picture *picture, const law_variant *varian
 static void check_reference(const law_picture *picture, const law_variant *variant) {
     law_result fast = law_run(picture, "%s then log then png -j 2", variant->words);
     law_result exact = law_run(picture, "%s then log then png -j 2 --reference", variant->words);
-    int farthest = code_distance(&fast, &exact);
+    int farthest = law_code_distance(&fast, &exact);
     CHECK(farthest <= 1, "law 4: %s on %s: %d codes from the reference", variant->words, picture->name, farthest);
     free(fast.bytes);
     free(exact.bytes);

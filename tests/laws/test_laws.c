@@ -45,20 +45,6 @@ static double bound_of(const law_variant *variant) {
     return bound;
 }
 
-/* The farthest of all codes of two PNGs. */
-static int code_distance(const law_result *a, const law_result *b) {
-    size_t count = 0, other_count = 0;
-    uint16_t *codes = law_read_png(a, &count), *others = law_read_png(b, &other_count);
-    int farthest = codes && others && count == other_count ? 0 : INT_MAX;
-    for (size_t i = 0; farthest != INT_MAX && i < count; i++) {
-        int distance = abs((int)codes[i] - (int)others[i]);
-        farthest = distance > farthest ? distance : farthest;
-    }
-    free(codes);
-    free(others);
-    return farthest;
-}
-
 static void check_reference_codes(const law_picture *picture, const law_variant *variant, const char *format,
                                   const law_result *base) {
     if (!is_spatial(variant)) {
@@ -66,7 +52,7 @@ static void check_reference_codes(const law_picture *picture, const law_variant 
         return;
     }
     law_result exact = law_run(picture, "%s then %s -j 1 --reference", variant->words, format);
-    int farthest = code_distance(base, &exact);
+    int farthest = law_code_distance(base, &exact);
     /* sRGB's slope in logarithms is 1 at most */
     double codes = bound_of(variant) * (strstr(format, "16") ? 65535 : 255);
     CHECK(farthest <= fmin(codes < 2 ? 1 : ceil(codes) + 1, 65535),
@@ -142,7 +128,7 @@ static void check_pair(const law_picture *picture, const law_variant *first, con
         bool nearly = strstr(settings[s], "--reference") && (is_spatial(first) || is_spatial(second));
         /* what comes behind may make more of a difference that is not small */
         if (nearly && (bound_of(first) > 1e-4 || bound_of(second) > 5e-3)) continue;
-        CHECK(nearly ? code_distance(&base, &other) <= 1 : law_same(&base, &other),
+        CHECK(nearly ? law_code_distance(&base, &other) <= 1 : law_same(&base, &other),
               "%s then png %s on %s: other bytes (status %d)", chain, settings[s], picture->name, (int)other.status);
         free(other.bytes);
     }
