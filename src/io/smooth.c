@@ -38,7 +38,7 @@ static size_t width_of(const smooth_source *source) {
 static int place_of(const smooth_source *source, int channel) {
     int place = 0;
     for (int c = 0; c < channel; c++)
-        place += source->base.picture.present[c];
+        place += source->picture->picture.present[c];
     return place;
 }
 
@@ -130,7 +130,7 @@ static hdr_status read_numbers(taking *t, int end, hdr_error *err) {
 
 static void lay_out(const smooth_source *source, const smooth_worker *w, hdr_block *out) {
     for (int c = 0; c < 4; c++) {
-        if (!source->base.picture.present[c]) continue;
+        if (!source->picture->picture.present[c]) continue;
         out->plane[c] = (const unsigned char *)(c < 3 ? w->out[place_of(source, c)] : w->alpha);
         out->type[c] = HDR_FLOAT;
         out->stride[c] = width_of(source) * sizeof(float);
