@@ -17,11 +17,15 @@ struct hdr_source {
     /* Who reads the source may say that only columns first ... end-1 of the data window are looked at: then the others
      * need not be decoded, and hold anything. end = 0: all are. */
     int64_t first_column, end_column;
+    int tile_columns; /* tiles: how many columns each has; 0: all that a row of the data window has are decoded together
+                       */
     /* One worker per thread holds the buffers: new, read as often as wanted, free. */
     hdr_status (*worker_new)(hdr_source *source, void **worker, hdr_error *err);
     /* Decodes a block. What it points to stays valid until the worker's next read. */
     hdr_status (*read)(hdr_source *source, void *worker, int block, hdr_block *out, hdr_error *err);
     void (*worker_free)(hdr_source *source, void *worker);
+    /* The same of one worker, where there are tiles: what it reads from now on. NULL: there are none. */
+    void (*worker_columns)(void *worker, int64_t first, int64_t end);
     void (*close)(hdr_source *source);
 };
 

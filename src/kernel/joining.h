@@ -12,7 +12,7 @@ typedef struct hdr_joining {
     int pictures;
     int slots;
     bool alpha;      /* that is joined, too; else the result has none */
-    double *weights; /* of each picture, or NULL: all count alike; the source frees them */
+    double *weights; /* of each picture, or NULL: all count alike; who made this record frees them */
     void (*add)(const struct hdr_joining *joining, int picture, const double *values, double *state, size_t count);
     void (*end)(const struct hdr_joining *joining, const double *state, double *out, size_t count);
 } hdr_joining;
