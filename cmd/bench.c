@@ -422,16 +422,6 @@ static hdr_status check(const hdr_chain *chain, hdr_error *error) {
     return varied ? bench_check_given(chain, varied, error) : HDR_OK;
 }
 
-/* An option's number, as given or by default; a word instead of a number: `word`. */
-static double option_number(const hdr_chain *chain, const char *name, double word) {
-    const char *text = hdr_chain_given(chain, 0, name);
-    for (const hdr_option *o = hdr_chain_leader(chain)->options; !text && o->name; o++)
-        if (strcmp(o->name, name) == 0) text = o->default_value;
-    char *end = NULL;
-    double number = text ? strtod(text, &end) : word;
-    return text && end == text ? word : number;
-}
-
 hdr_status cmd_bench(hdr_chain *chain, hdr_error *error) {
     hdr_status status = check(chain, error);
     measuring *m = status == HDR_OK ? calloc(1, sizeof *m) : NULL;
@@ -439,11 +429,11 @@ hdr_status cmd_bench(hdr_chain *chain, hdr_error *error) {
     const hdr_verb_about *last = hdr_chain_last(chain);
     const char *file = hdr_chain_files(chain)[0];
     m->chain = chain;
-    m->samples = (int)option_number(chain, "samples", 1e9);
+    m->samples = (int)cmd_number(chain, 0, "samples", 1e9);
     m->b = (bench){.file = file ? file : "-",
                    .threads = hdr_chain_settings(chain)->threads,
-                   .repetitions = (int)option_number(chain, "repetitions", 1),
-                   .limit = option_number(chain, "limit", 0) * 1e3,
+                   .repetitions = (int)cmd_number(chain, 0, "repetitions", 1),
+                   .limit = cmd_number(chain, 0, "limit", 0) * 1e3,
                    .format = last->kind == HDR_FORMAT ? last->name : "png",
                    .varied = bench_varied_clause(chain)};
     status = measure_and_tell(m, error);

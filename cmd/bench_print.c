@@ -116,75 +116,73 @@ void bench_print_table(const bench *b) {
 
 /* ---- For programs ---- */
 
-/* Below 0 is what is not known. */
-static void print_known(const char *between, double number) {
-    printf("%s", between);
-    if (number >= 0) cmd_print_json_number(number);
+/* What is known of a way; below 0 is what is not. */
+enum { NUMBERS = 7 };
+static const char *const number_names[NUMBERS] = {
+    "whole_ms", "own_ms", "max_error", "rms_error", "bound", "pixels_off_percent", "largest_code_difference"};
+
+static void find_numbers(const bench_way *way, double numbers[NUMBERS]) {
+    const double found[NUMBERS] = {way->whole,
+                                   way->own,
+                                   way->max_error,
+                                   way->rms_error,
+                                   way->bound,
+                                   way->pixels_off,
+                                   way->pixels_off < 0 ? -1 : way->most_off};
+    memcpy(numbers, found, sizeof found);
 }
 
 void bench_print_csv(const bench *b) {
-    printf("method,option,value,automatic,inferred,repetitions,whole_ms,own_ms,max_error,rms_error,bound,"
-           "pixels_off_percent,largest_code_difference\n");
+    printf("method,option,value,automatic,inferred,repetitions");
+    for (int n = 0; n < NUMBERS; n++)
+        printf(",%s", number_names[n]);
+    putchar('\n');
     for (int i = 0; i < b->count; i++) {
         const bench_way *way = &b->way[i];
+        double numbers[NUMBERS];
+        find_numbers(way, numbers);
         printf("%s,%s,%s,%d,%d,%d", way->method, way->option ? way->option : "", way->value ? way->value : "",
                way->automatic, way->estimated, way->repetitions);
-        print_known(",", way->whole);
-        print_known(",", way->own);
-        print_known(",", way->max_error);
-        print_known(",", way->rms_error);
-        print_known(",", way->bound);
-        print_known(",", way->pixels_off);
-        print_known(",", way->pixels_off < 0 ? -1 : way->most_off);
+        for (int n = 0; n < NUMBERS; n++) {
+            putchar(',');
+            if (numbers[n] >= 0) cmd_print_number(numbers[n]);
+        }
         putchar('\n');
     }
 }
 
-static void print_json_text_member(const char *key, const char *text) {
-    printf(", \"%s\": ", key);
-    if (text)
-        cmd_print_json_text(text);
-    else
-        printf("null");
-}
-
-static void print_json_known(const char *key, double number) {
-    printf(", \"%s\": ", key);
-    cmd_print_json_number(number >= 0 ? number : (double)NAN);
-}
-
 static void print_json_way(const bench_way *way) {
-    printf("{\"method\": ");
-    cmd_print_json_text(way->method);
-    print_json_text_member("option", way->option);
-    print_json_text_member("value", way->value);
-    printf(", \"automatic\": %s, \"inferred\": %s, \"repetitions\": %d", way->automatic ? "true" : "false",
-           way->estimated ? "true" : "false", way->repetitions);
-    print_json_known("whole_ms", way->whole);
-    print_json_known("own_ms", way->own);
-    print_json_known("max_error", way->max_error);
-    print_json_known("rms_error", way->rms_error);
-    print_json_known("bound", way->bound);
-    print_json_known("pixels_off_percent", way->pixels_off);
-    print_json_known("largest_code_difference", way->pixels_off < 0 ? -1 : way->most_off);
-    putchar('}');
+    double numbers[NUMBERS];
+    find_numbers(way, numbers);
+    cmd_json_open(NULL, '{');
+    cmd_json_text("method", way->method);
+    cmd_json_text("option", way->option);
+    cmd_json_text("value", way->value);
+    cmd_json_flag("automatic", way->automatic);
+    cmd_json_flag("inferred", way->estimated);
+    cmd_json_integer("repetitions", way->repetitions);
+    for (int n = 0; n < NUMBERS; n++)
+        cmd_json_known(number_names[n], numbers[n]);
+    cmd_json_close('}');
 }
 
 void bench_print_json(const bench *b) {
     char error[300];
     bench_describe_error(b, error, sizeof error);
-    printf("{\"file\": ");
-    cmd_print_json_text(b->file);
-    printf(", \"width\": %lld, \"height\": %lld", bench_width(b), bench_height(b));
-    print_json_text_member("chain", b->chain);
-    print_json_text_member("format", b->format);
-    print_json_text_member("varied", b->verb);
-    print_json_text_member("error", error);
-    printf(", \"random_pixels\": %d, \"local_extremes\": %d, \"threads\": %d, \"ways\": [", b->random, b->extremes,
-           b->threads);
-    for (int i = 0; i < b->count; i++) {
-        if (i) printf(", ");
+    cmd_json_open(NULL, '{');
+    cmd_json_text("file", b->file);
+    cmd_json_integer("width", bench_width(b));
+    cmd_json_integer("height", bench_height(b));
+    cmd_json_text("chain", b->chain);
+    cmd_json_text("format", b->format);
+    cmd_json_text("varied", b->verb);
+    cmd_json_text("error", error);
+    cmd_json_integer("random_pixels", b->random);
+    cmd_json_integer("local_extremes", b->extremes);
+    cmd_json_integer("threads", b->threads);
+    cmd_json_open("ways", '[');
+    for (int i = 0; i < b->count; i++)
         print_json_way(&b->way[i]);
-    }
-    printf("]}\n");
+    cmd_json_close(']');
+    cmd_json_end();
 }

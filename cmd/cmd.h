@@ -37,8 +37,9 @@ typedef struct cmd_input {
 cmd_input cmd_open_input(const hdr_chain *chain, hdr_error *error);
 void cmd_close_input(cmd_input *opened);
 
-/* The number that an option of the first clause was given as; of a word, 0. */
-double cmd_given_number(const hdr_chain *chain, const char *name, double otherwise);
+/* The number of an option of a clause, 0 being the program that leads: as given or by default. A word instead of a
+ * number, or nothing at all: `word`. */
+double cmd_number(const hdr_chain *chain, int clause, const char *name, double word);
 
 /* help.c: words after `hdr help`. */
 hdr_status cmd_help(int count, const char *const words[], hdr_error *error);
@@ -50,7 +51,7 @@ void cmd_print_verb_help(FILE *to, const hdr_verb_about *verb);
 /* info.c: what a picture is. */
 hdr_status cmd_info(hdr_chain *chain, hdr_error *error);
 void cmd_print_picture(const hdr_picture *picture);
-void cmd_print_picture_json(const hdr_picture *picture); /* members of an object, without the braces around them */
+void cmd_json_picture(const hdr_picture *picture); /* members of an object, without the braces around them */
 
 /* info.c: one file after another, standard input when there is none. Faults of single files are reported, and the rest
  * goes on: HDR_DIFFERENT when some of several failed. */
@@ -59,21 +60,32 @@ hdr_status cmd_each_file(hdr_chain *chain, cmd_file_job job, hdr_error *error);
 
 /* What windows and types look like; width: of the label's column. */
 void cmd_print_window(const char *label, const hdr_window *window, int width);
-void cmd_print_json_window(const char *key, const hdr_window *window); /* ", key: [...]" */
 const char *cmd_type_name(hdr_type type);
 
 /* contents.c: all that a file holds. */
 void cmd_print_contents(const hdr_contents *contents);
-void cmd_print_contents_json(const hdr_contents *contents); /* one member of an object */
+void cmd_json_contents(const hdr_contents *contents); /* one member of an object */
 
-/* info.c: text for people. Names in a file may hold any byte; what is no character that can be shown becomes '?'. */
+/* text.c: text for people. Names in a file may hold any byte; what is no character that can be shown becomes '?'. */
 void cmd_print_plain(FILE *to, const char *text);
 
-/* info.c: JSON values, to standard output. */
-void cmd_print_json_text(const char *text);
-void cmd_print_json_number(double number); /* the shortest decimal that reads back as the same double */
+/* text.c: the shortest decimal that reads back as the same double. */
+void cmd_print_number(double number);
 
-/* info.c: a field of comma-separated values. */
+/* text.c: JSON, to standard output. Each is a member of an object or, key being NULL, an element of an array or a whole
+ * text; commas come by themselves. */
+void cmd_json_open(const char *key, char bracket); /* '{' or '[' */
+void cmd_json_close(char bracket);
+void cmd_json_end(void);                               /* the whole text's last '}', and a newline */
+void cmd_json_text(const char *key, const char *text); /* NULL: null */
+void cmd_json_number(const char *key, double number);  /* not finite: null */
+void cmd_json_known(const char *key, double number);   /* the same, of a number that is null below 0 */
+void cmd_json_integer(const char *key, long long number);
+void cmd_json_integers(const char *key, int count, const int numbers[]);
+void cmd_json_flag(const char *key, bool flag);
+void cmd_json_window(const char *key, const hdr_window *window);
+
+/* text.c: a field of comma-separated values. */
 void cmd_print_csv_text(const char *text);
 
 /* What a colour plane is called: "R", "G", "B", or "Y" for the only one; plane 3 is "A". */

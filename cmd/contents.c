@@ -76,73 +76,64 @@ void cmd_print_contents(const hdr_contents *contents) {
 
 /* ---- JSON ---- */
 
-static void print_member(const char *key, const char *text) {
-    printf(", \"%s\": ", key);
-    cmd_print_json_text(text);
-}
-
 static void print_json_channels(const hdr_part *part) {
-    printf(", \"channels\": [");
+    cmd_json_open("channels", '[');
     for (int i = 0; i < part->channel_count; i++) {
         const hdr_listed_channel *channel = &part->channels[i];
-        printf("%s{\"name\": ", i ? ", " : "");
-        cmd_print_json_text(channel->name);
-        print_member("layer", channel->layer);
-        print_member("type", cmd_type_name(channel->type));
-        printf(", \"sampling\": [%d, %d]}", channel->x_sampling, channel->y_sampling);
+        cmd_json_open(NULL, '{');
+        cmd_json_text("name", channel->name);
+        cmd_json_text("layer", channel->layer);
+        cmd_json_text("type", cmd_type_name(channel->type));
+        cmd_json_integers("sampling", 2, (const int[]){channel->x_sampling, channel->y_sampling});
+        cmd_json_close('}');
     }
-    putchar(']');
+    cmd_json_close(']');
 }
 
 /* A number as such, several as they stand in the text. */
-static void print_json_value(const hdr_attribute *attribute) {
+static void print_json_attribute(const hdr_attribute *attribute) {
     bool number = !strcmp(attribute->type, "int") || !strcmp(attribute->type, "float") || //
                   !strcmp(attribute->type, "double");
-    if (!attribute->value)
-        printf("null");
-    else if (number)
-        cmd_print_json_number(strtod(attribute->value, NULL));
+    cmd_json_open(NULL, '{');
+    cmd_json_text("name", attribute->name);
+    cmd_json_text("type", attribute->type);
+    if (attribute->value && number)
+        cmd_json_number("value", strtod(attribute->value, NULL));
     else
-        cmd_print_json_text(attribute->value);
+        cmd_json_text("value", attribute->value);
+    cmd_json_close('}');
 }
 
 static void print_json_part(const hdr_part *part) {
-    printf("{\"part\": %d", part->number);
-    print_member("name", part->name);
-    print_member("view", part->view);
-    print_member("storage", part->storage);
-    print_member("compression", part->compression);
-    cmd_print_json_window("data_window", &part->data);
-    cmd_print_json_window("display_window", &part->display);
+    cmd_json_open(NULL, '{');
+    cmd_json_integer("part", part->number);
+    cmd_json_text("name", part->name);
+    cmd_json_text("view", part->view);
+    cmd_json_text("storage", part->storage);
+    cmd_json_text("compression", part->compression);
+    cmd_json_window("data_window", &part->data);
+    cmd_json_window("display_window", &part->display);
     if (part->tile_width)
-        printf(", \"tiles\": [%d, %d]", part->tile_width, part->tile_height);
+        cmd_json_integers("tiles", 2, (const int[]){part->tile_width, part->tile_height});
     else
-        printf(", \"tiles\": null");
-    print_member("levels", part->levels);
-    printf(", \"level_count\": %d, \"views\": [", part->level_count);
-    for (int i = 0; i < part->view_count; i++) {
-        printf("%s", i ? ", " : "");
-        cmd_print_json_text(part->views[i]);
-    }
-    putchar(']');
+        cmd_json_text("tiles", NULL);
+    cmd_json_text("levels", part->levels);
+    cmd_json_integer("level_count", part->level_count);
+    cmd_json_open("views", '[');
+    for (int i = 0; i < part->view_count; i++)
+        cmd_json_text(NULL, part->views[i]);
+    cmd_json_close(']');
     print_json_channels(part);
-    printf(", \"attributes\": [");
-    for (int i = 0; i < part->attribute_count; i++) {
-        printf("%s{\"name\": ", i ? ", " : "");
-        cmd_print_json_text(part->attributes[i].name);
-        print_member("type", part->attributes[i].type);
-        printf(", \"value\": ");
-        print_json_value(&part->attributes[i]);
-        putchar('}');
-    }
-    printf("]}");
+    cmd_json_open("attributes", '[');
+    for (int i = 0; i < part->attribute_count; i++)
+        print_json_attribute(&part->attributes[i]);
+    cmd_json_close(']');
+    cmd_json_close('}');
 }
 
-void cmd_print_contents_json(const hdr_contents *contents) {
-    printf("\"parts\": [");
-    for (int i = 0; i < contents->part_count; i++) {
-        printf("%s", i ? ", " : "");
+void cmd_json_contents(const hdr_contents *contents) {
+    cmd_json_open("parts", '[');
+    for (int i = 0; i < contents->part_count; i++)
         print_json_part(&contents->parts[i]);
-    }
-    putchar(']');
+    cmd_json_close(']');
 }

@@ -37,35 +37,28 @@ static void print_table(const hdr_agreement *agreements, int count) {
 /* ---- For programs ---- */
 
 static void print_json_distance(const char *key, const hdr_distance *distance) {
-    printf(", \"%s\": ", key);
     if (distance->relative < 0) {
-        printf("null");
+        cmd_json_text(key, NULL);
         return;
     }
-    printf("{\"relative\": ");
-    cmd_print_json_number(distance->relative);
-    printf(", \"absolute\": ");
-    cmd_print_json_number(distance->absolute);
-    putchar('}');
+    cmd_json_open(key, '{');
+    cmd_json_number("relative", distance->relative);
+    cmd_json_number("absolute", distance->absolute);
+    cmd_json_close('}');
 }
 
 static void print_json(const hdr_agreement *a) {
-    printf("{\"what\": ");
-    cmd_print_json_text(a->what);
-    printf(", \"opencolorio\": ");
-    cmd_print_json_text(a->theirs);
-    printf(", \"numbers\": %zu", a->numbers);
+    cmd_json_open(NULL, '{');
+    cmd_json_text("what", a->what);
+    cmd_json_text("opencolorio", a->theirs);
+    cmd_json_integer("numbers", (long long)a->numbers);
     print_json_distance("from_published", &a->ours);
     print_json_distance("opencolorio_from_ours", &a->apart);
-    printf(", \"codes\": ");
-    cmd_print_json_number(a->codes);
+    cmd_json_number("codes", a->codes);
     print_json_distance("opencolorio_from_its_own", &a->follows);
-    printf(", \"reason\": ");
-    if (a->reason)
-        cmd_print_json_text(a->reason);
-    else
-        printf("null");
-    printf(", \"agrees\": %s}\n", a->agrees ? "true" : "false");
+    cmd_json_text("reason", a->reason);
+    cmd_json_flag("agrees", a->agrees);
+    cmd_json_end();
 }
 
 /* ---- hdr crosscheck ---- */

@@ -176,62 +176,47 @@ static void print_ranking(const measuring *m) {
 /* ---- For programs ---- */
 
 static void print_json_figures(const measuring *m, const tested *test, const hdr_errors *errors) {
-    printf("\"numbers\": %llu", (unsigned long long)errors->numbers);
-    for (size_t i = 0; i < FIGURES; i++) {
-        printf(", \"%s\": ", figures[i].name);
-        cmd_print_json_number(figure_of(errors, &figures[i]));
-    }
+    cmd_json_integer("numbers", (long long)errors->numbers);
+    for (size_t i = 0; i < FIGURES; i++)
+        cmd_json_number(figures[i].name, figure_of(errors, &figures[i]));
     double peak = peak_of(m, &test->compared);
     if (peak <= 0) return;
-    printf(", \"psnr\": ");
-    if (errors->mse > 0)
-        cmd_print_json_number(psnr_of(peak, errors->mse));
-    else
-        printf("null");
-    printf(", \"peak\": ");
-    cmd_print_json_number(peak);
+    cmd_json_number("psnr", psnr_of(peak, errors->mse));
+    cmd_json_number("peak", peak);
+}
+
+static void print_json_worst(const hdr_comparison *c) {
+    cmd_json_open("worst", '{');
+    cmd_json_number("error", c->worst);
+    cmd_json_integer("x", c->worst_x);
+    cmd_json_integer("y", c->worst_y);
+    cmd_json_text("channel", cmd_plane_name(&c->picture, c->worst_channel));
+    cmd_json_number("test", c->worst_test);
+    cmd_json_number("reference", c->worst_reference);
+    cmd_json_close('}');
 }
 
 static void print_json(const measuring *m, const tested *test) {
     const hdr_comparison *c = &test->compared;
-    printf("{\"file\": ");
-    cmd_print_json_text(test->name);
-    printf(", \"against\": ");
-    cmd_print_json_text(m->against);
-    printf(", \"epsilon\": ");
-    cmd_print_json_number(c->epsilon);
-    printf(", ");
+    cmd_json_open(NULL, '{');
+    cmd_json_text("file", test->name);
+    cmd_json_text("against", m->against);
+    cmd_json_number("epsilon", c->epsilon);
     print_json_figures(m, test, &c->all);
-    if (wants_ssim(m)) {
-        printf(", \"ssim\": ");
-        cmd_print_json_number(test->ssim);
-    }
-    printf(", \"left_out\": %llu", (unsigned long long)c->left_out);
-    if (c->worst_channel >= 0) {
-        printf(", \"worst\": {\"error\": ");
-        cmd_print_json_number(c->worst);
-        printf(", \"x\": %d, \"y\": %d, \"channel\": \"%s\", \"test\": ", c->worst_x, c->worst_y,
-               cmd_plane_name(&c->picture, c->worst_channel));
-        cmd_print_json_number(c->worst_test);
-        printf(", \"reference\": ");
-        cmd_print_json_number(c->worst_reference);
-        putchar('}');
-    }
+    if (wants_ssim(m)) cmd_json_number("ssim", test->ssim);
+    cmd_json_integer("left_out", (long long)c->left_out);
+    if (c->worst_channel >= 0) print_json_worst(c);
     for (int plane = 0; plane < 4 && hdr_chain_given(m->chain, 1, "by-channel"); plane++) {
         if (!c->present[plane]) continue;
-        printf(", \"%s\": {", cmd_plane_name(&c->picture, plane));
+        cmd_json_open(cmd_plane_name(&c->picture, plane), '{');
         print_json_figures(m, test, &c->channel[plane]);
-        putchar('}');
+        cmd_json_close('}');
     }
     if (m->named > 1) {
-        printf(", \"rank_error\": ");
-        if (test->rank_error >= 0)
-            cmd_print_json_number(test->rank_error);
-        else
-            printf("null");
-        printf(", \"tied\": %s", test->tied ? "true" : "false");
+        cmd_json_known("rank_error", test->rank_error);
+        cmd_json_flag("tied", test->tied);
     }
-    printf("}\n");
+    cmd_json_end();
 }
 
 static void print_csv(const measuring *m) {
@@ -336,8 +321,8 @@ hdr_status cmd_error(hdr_chain *chain, hdr_error *error) {
     const char *const *files = hdr_chain_files(chain)[0] ? hdr_chain_files(chain) : standard_input;
     const char *rank = hdr_chain_given(chain, 1, "rank");
     measuring m = {.chain = chain, .against = hdr_chain_given(chain, 1, "against"), .rank = rank ? rank : "rmse"};
-    m.epsilon = cmd_given_number(chain, "epsilon", 0.01);
-    m.peak = cmd_given_number(chain, "peak", 0);
+    m.epsilon = cmd_number(chain, 1, "epsilon", 0);
+    m.peak = cmd_number(chain, 1, "peak", 0);
     while (files[m.named])
         m.named++;
     m.tests = calloc((size_t)m.named, sizeof *m.tests);

@@ -202,9 +202,14 @@ void cmd_close_input(cmd_input *opened) {
     cmd_close_files(&opened->members);
 }
 
-double cmd_given_number(const hdr_chain *chain, const char *name, double otherwise) {
-    const char *text = hdr_chain_given(chain, 1, name);
-    return text ? strtod(text, NULL) : otherwise;
+double cmd_number(const hdr_chain *chain, int clause, const char *name, double word) {
+    const char *text = hdr_chain_given(chain, clause, name);
+    const hdr_verb_about *verb = clause ? hdr_chain_clause(chain, clause) : hdr_chain_leader(chain);
+    for (const hdr_option *o = verb->options; !text && o->name; o++)
+        if (strcmp(o->name, name) == 0) text = o->default_value;
+    char *end = NULL;
+    double number = text ? strtod(text, &end) : word;
+    return text && end == text ? word : number;
 }
 
 /* ---- Running ---- */

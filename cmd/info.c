@@ -1,10 +1,6 @@
 /* hdr info: what a picture file holds, from its header alone. And what info and stats have in common: going through
- * files, and printing pictures and JSON. */
+ * files, and printing pictures. */
 #include "cmd.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 /* ---- Several files ---- */
 
@@ -35,96 +31,6 @@ hdr_status cmd_each_file(hdr_chain *chain, cmd_file_job job, hdr_error *error) {
         status = HDR_DIFFERENT;
     }
     return status;
-}
-
-/* ---- Text ---- */
-
-/* The length of the UTF-8 sequence at text, or 0 when there is no valid one. */
-static size_t sequence_length(const unsigned char *text) {
-    static const unsigned least[] = {0, 0, 0x80, 0x800, 0x10000};
-    size_t length = text[0] < 0x80 ? 1 : text[0] < 0xc0 ? 0 : text[0] < 0xe0 ? 2 : text[0] < 0xf0 ? 3 : 4;
-    if (length < 2) return length;
-    unsigned code = text[0] & (0x7fu >> length);
-    for (size_t i = 1; i < length; i++) {
-        if ((text[i] & 0xc0) != 0x80) return 0;
-        code = code << 6 | (text[i] & 0x3fu);
-    }
-    bool surrogate = code >= 0xd800 && code < 0xe000;
-    return code < least[length] || code > 0x10ffff || surrogate || text[0] >= 0xf8 ? 0 : length;
-}
-
-/* A control character would act on the terminal: those below a space, DEL, and U+0080 to U+009F. */
-static bool is_control(const unsigned char *text, size_t length) {
-    return length == 1 ? *text < ' ' || *text == 0x7f : length == 2 && text[0] == 0xc2 && text[1] < 0xa0;
-}
-
-void cmd_print_plain(FILE *to, const char *text) {
-    for (const unsigned char *c = (const unsigned char *)text; *c;) {
-        size_t length = sequence_length(c);
-        if (length == 0 || is_control(c, length))
-            putc('?', to);
-        else
-            fwrite(c, 1, length, to);
-        c += length ? length : 1;
-    }
-}
-
-/* ---- JSON ---- */
-
-/* A file's name may hold any byte. One that is no UTF-8 is shown as the character of the same number. */
-void cmd_print_json_text(const char *text) {
-    putchar('"');
-    for (const unsigned char *c = (const unsigned char *)text; *c;) {
-        size_t length = sequence_length(c);
-        if (*c == '"' || *c == '\\')
-            printf("\\%c", *c);
-        else if (length == 0 || is_control(c, length))
-            printf("\\u%04X", length == 2 ? c[1] : *c);
-        else
-            fwrite(c, 1, length, stdout);
-        c += length ? length : 1;
-    }
-    putchar('"');
-}
-
-void cmd_print_csv_text(const char *text) {
-    bool quoted = text[strcspn(text, ",\"\r\n")] != '\0';
-    if (quoted) putchar('"');
-    for (; *text; text++) {
-        if (*text == '"') putchar('"');
-        putchar(*text);
-    }
-    if (quoted) putchar('"');
-}
-
-void cmd_print_json_number(double number) {
-    char text[40];
-    if (!isfinite(number)) {
-        printf("null");
-        return;
-    }
-    for (int digits = 15; digits <= 17; digits++) {
-        snprintf(text, sizeof text, "%.*g", digits, number);
-        if (strtod(text, NULL) == number) break;
-    }
-    printf("%s", text);
-}
-
-static void print_json_pair(const double pair[2]) {
-    putchar('[');
-    cmd_print_json_number(pair[0]);
-    printf(", ");
-    cmd_print_json_number(pair[1]);
-    putchar(']');
-}
-
-static void print_json_member(const char *key, const char *text) {
-    printf(", \"%s\": ", key);
-    cmd_print_json_text(text);
-}
-
-void cmd_print_json_window(const char *key, const hdr_window *window) {
-    printf(", \"%s\": [%d, %d, %d, %d]", key, window->min_x, window->min_y, window->max_x, window->max_y);
 }
 
 /* ---- Pictures ---- */
@@ -205,52 +111,56 @@ void cmd_print_picture(const hdr_picture *picture) {
 }
 
 static void print_json_channels(const hdr_picture *picture) {
-    const char *between = "";
-    printf(", \"channels\": [");
+    cmd_json_open("channels", '[');
     for (int plane = 0; plane < 4; plane++) {
         if (!has_plane(picture, plane) || !picture->present[plane]) continue;
-        printf("%s{\"name\": ", between);
-        cmd_print_json_text(picture->channels[plane].name);
-        printf(", \"type\": \"%s\"}", cmd_type_name(picture->channels[plane].type));
-        between = ", ";
+        cmd_json_open(NULL, '{');
+        cmd_json_text("name", picture->channels[plane].name);
+        cmd_json_text("type", cmd_type_name(picture->channels[plane].type));
+        cmd_json_close('}');
     }
-    putchar(']');
+    cmd_json_close(']');
+}
+
+static void print_json_pair(const char *key, const double pair[2]) {
+    cmd_json_open(key, '[');
+    cmd_json_number(NULL, pair[0]);
+    cmd_json_number(NULL, pair[1]);
+    cmd_json_close(']');
 }
 
 static void print_json_chromaticities(const hdr_picture *picture) {
     const hdr_chromaticities *c = &picture->chromaticities;
-    printf(", \"chromaticities\": {\"red\": ");
-    print_json_pair(c->red);
-    printf(", \"green\": ");
-    print_json_pair(c->green);
-    printf(", \"blue\": ");
-    print_json_pair(c->blue);
-    printf(", \"white\": ");
-    print_json_pair(c->white);
-    printf(", \"assumed\": %s}, \"neutral\": ", picture->has_chromaticities ? "false" : "true");
+    cmd_json_open("chromaticities", '{');
+    print_json_pair("red", c->red);
+    print_json_pair("green", c->green);
+    print_json_pair("blue", c->blue);
+    print_json_pair("white", c->white);
+    cmd_json_flag("assumed", !picture->has_chromaticities);
+    cmd_json_close('}');
     if (picture->has_neutral)
-        print_json_pair(picture->neutral);
+        print_json_pair("neutral", picture->neutral);
     else
-        printf("null");
+        cmd_json_text("neutral", NULL);
 }
 
-void cmd_print_picture_json(const hdr_picture *picture) {
-    printf("\"width\": %lld, \"height\": %lld", width_of(&picture->data), height_of(&picture->data));
-    cmd_print_json_window("data_window", &picture->data);
-    cmd_print_json_window("display_window", &picture->display);
-    print_json_member("format", picture->format);
-    print_json_member("storage", picture->storage);
-    print_json_member("compression", picture->compression);
+void cmd_json_picture(const hdr_picture *picture) {
+    cmd_json_integer("width", width_of(&picture->data));
+    cmd_json_integer("height", height_of(&picture->data));
+    cmd_json_window("data_window", &picture->data);
+    cmd_json_window("display_window", &picture->display);
+    cmd_json_text("format", picture->format);
+    cmd_json_text("storage", picture->storage);
+    cmd_json_text("compression", picture->compression);
     print_json_channels(picture);
-    printf(", \"alpha\": %s", picture->has_alpha ? "true" : "false");
+    cmd_json_flag("alpha", picture->has_alpha);
     print_json_chromaticities(picture);
-    printf(", \"pixel_aspect\": ");
-    cmd_print_json_number((double)picture->pixel_aspect);
-    print_json_member("state", picture->state);
-    printf(", \"part\": %d", picture->part);
-    print_json_member("part_name", picture->part_name);
-    print_json_member("layer", picture->layer);
-    printf(", \"level\": %d", picture->level);
+    cmd_json_number("pixel_aspect", (double)picture->pixel_aspect);
+    cmd_json_text("state", picture->state);
+    cmd_json_integer("part", picture->part);
+    cmd_json_text("part_name", picture->part_name);
+    cmd_json_text("layer", picture->layer);
+    cmd_json_integer("level", picture->level);
 }
 
 /* ---- hdr info ---- */
@@ -263,15 +173,11 @@ static void print_all(const char *name, bool json, const hdr_picture *picture, c
         cmd_print_contents(contents);
         return;
     }
-    printf("{\"file\": ");
-    cmd_print_json_text(name);
-    printf(", ");
-    if (picture) {
-        cmd_print_picture_json(picture);
-        printf(", ");
-    }
-    cmd_print_contents_json(contents);
-    printf("}\n");
+    cmd_json_open(NULL, '{');
+    cmd_json_text("file", name);
+    if (picture) cmd_json_picture(picture);
+    cmd_json_contents(contents);
+    cmd_json_end();
 }
 
 /* The picture that would be read, and all there is. A file of which nothing can be read, such as deep data, is listed

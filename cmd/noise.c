@@ -52,40 +52,30 @@ static void print_text(const hdr_noise *noise, double target) {
 
 /* ---- For programs ---- */
 
-static void print_json_error(const char *key, double error) {
-    printf(", \"%s\": ", key);
-    if (error >= 0)
-        cmd_print_json_number(error);
-    else
-        printf("null");
-}
-
-static void print_json_value(const char *key, double value) {
-    printf(", \"%s\": ", key);
-    cmd_print_json_number(value);
-}
-
 static void print_json(const hdr_noise *noise, double target) {
-    printf("{\"renders\": %d, \"numbers\": %llu, \"left_out\": %llu", noise->renders,
-           (unsigned long long)noise->numbers, (unsigned long long)noise->left_out);
-    print_json_value("rmv", noise->rmv);
-    print_json_error("rmv_error", noise->error);
-    print_json_value("epsilon", noise->epsilon);
-    print_json_value("relative", noise->relative);
-    print_json_error("relative_error", noise->relative_error);
-    printf(", \"convergence\": [");
+    cmd_json_open(NULL, '{');
+    cmd_json_integer("renders", noise->renders);
+    cmd_json_integer("numbers", (long long)noise->numbers);
+    cmd_json_integer("left_out", (long long)noise->left_out);
+    cmd_json_number("rmv", noise->rmv);
+    cmd_json_known("rmv_error", noise->error);
+    cmd_json_number("epsilon", noise->epsilon);
+    cmd_json_number("relative", noise->relative);
+    cmd_json_known("relative_error", noise->relative_error);
+    cmd_json_open("convergence", '[');
     for (int l = 0; l < noise->levels; l++) {
-        printf("%s{\"mean_of\": %d", l > 0 ? ", " : "", noise->level[l].size);
-        print_json_value("rmv", noise->level[l].rmv);
-        print_json_error("rmv_error", noise->level[l].error);
-        putchar('}');
+        cmd_json_open(NULL, '{');
+        cmd_json_integer("mean_of", noise->level[l].size);
+        cmd_json_number("rmv", noise->level[l].rmv);
+        cmd_json_known("rmv_error", noise->level[l].error);
+        cmd_json_close('}');
     }
-    putchar(']');
+    cmd_json_close(']');
     if (target > 0) {
-        print_json_value("target", target);
-        print_json_value("renders_for_target", renders_for(noise, target));
+        cmd_json_number("target", target);
+        cmd_json_number("renders_for_target", renders_for(noise, target));
     }
-    printf("}\n");
+    cmd_json_end();
 }
 
 /* ---- hdr noise ---- */
@@ -109,13 +99,12 @@ hdr_status cmd_noise(hdr_chain *chain, hdr_error *error) {
     const char *map = hdr_chain_given(chain, 1, "sampling-map");
     hdr_output *output = map ? hdr_output_open(map, error) : NULL;
     if (map && !output) return error->status;
-    double target = cmd_given_number(chain, "target", 0);
+    double target = cmd_number(chain, 1, "target", 0);
     cmd_inputs opened = cmd_open_files(chain, error);
     hdr_noise noise = {.renders = 0};
-    hdr_status status = opened.count > 0
-                            ? hdr_measure_noise(chain, opened.count, opened.inputs,
-                                                cmd_given_number(chain, "epsilon", 0.01), map, &noise, error)
-                            : error->status;
+    hdr_status status = opened.count > 0 ? hdr_measure_noise(chain, opened.count, opened.inputs,
+                                                             cmd_number(chain, 1, "epsilon", 0), map, &noise, error)
+                                         : error->status;
     if (status == HDR_OK && map) status = write_map(chain, &noise, output, error);
     if (status == HDR_OK && hdr_chain_settings(chain)->json)
         print_json(&noise, target);

@@ -26,47 +26,35 @@ static void print_text(const hdr_ocio_names *list) {
 /* ---- For programs ---- */
 
 /* The names of a kind, as an array; of a display alone where `of` is not NULL. */
-static void print_json_names(const hdr_ocio_names *list, hdr_ocio_kind kind, const char *of) {
-    const char *between = "";
-    putchar('[');
-    for (int i = 0; i < list->count; i++) {
-        if (list->names[i].kind != kind || (of && strcmp(list->names[i].of, of) != 0)) continue;
-        printf("%s", between);
-        cmd_print_json_text(list->names[i].name);
-        between = ", ";
-    }
-    putchar(']');
+static void print_json_names(const char *key, const hdr_ocio_names *list, hdr_ocio_kind kind, const char *of) {
+    cmd_json_open(key, '[');
+    for (int i = 0; i < list->count; i++)
+        if (list->names[i].kind == kind && (!of || !strcmp(list->names[i].of, of)))
+            cmd_json_text(NULL, list->names[i].name);
+    cmd_json_close(']');
 }
 
 /* Roles with their colour spaces, displays with their views, as an object. */
-static void print_json_pairs(const hdr_ocio_names *list, hdr_ocio_kind kind) {
-    const char *between = "";
-    putchar('{');
+static void print_json_pairs(const char *key, const hdr_ocio_names *list, hdr_ocio_kind kind) {
+    cmd_json_open(key, '{');
     for (int i = 0; i < list->count; i++) {
         const hdr_ocio_name *name = &list->names[i];
         if (name->kind != kind) continue;
-        printf("%s", between);
-        cmd_print_json_text(name->name);
-        printf(": ");
         if (kind == HDR_OCIO_ROLE)
-            cmd_print_json_text(name->of);
+            cmd_json_text(name->name, name->of);
         else
-            print_json_names(list, HDR_OCIO_VIEW, name->name);
-        between = ", ";
+            print_json_names(name->name, list, HDR_OCIO_VIEW, name->name);
     }
-    putchar('}');
+    cmd_json_close('}');
 }
 
 static void print_json(const hdr_ocio_names *list) {
-    printf("{\"spaces\": ");
-    print_json_names(list, HDR_OCIO_SPACE, NULL);
-    printf(", \"roles\": ");
-    print_json_pairs(list, HDR_OCIO_ROLE);
-    printf(", \"displays\": ");
-    print_json_pairs(list, HDR_OCIO_DISPLAY);
-    printf(", \"looks\": ");
-    print_json_names(list, HDR_OCIO_LOOK, NULL);
-    printf("}\n");
+    cmd_json_open(NULL, '{');
+    print_json_names("spaces", list, HDR_OCIO_SPACE, NULL);
+    print_json_pairs("roles", list, HDR_OCIO_ROLE);
+    print_json_pairs("displays", list, HDR_OCIO_DISPLAY);
+    print_json_names("looks", list, HDR_OCIO_LOOK, NULL);
+    cmd_json_end();
 }
 
 /* ---- hdr ocio --list ---- */

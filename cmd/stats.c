@@ -68,73 +68,64 @@ static void print_text_together(const hdr_stats *stats, int files) {
 
 /* ---- For programs ---- */
 
-static void print_json_count(const char *key, uint64_t count) {
-    printf(", \"%s\": %llu", key, (unsigned long long)count);
-}
-
-static void print_json_value(const char *key, double value) {
-    printf(", \"%s\": ", key);
-    cmd_print_json_number(value);
-}
-
 static void print_json_planes(const char *key, const hdr_picture *picture, const double value[4]) {
-    const char *between = "";
-    printf(", \"%s\": {", key);
+    cmd_json_open(key, '{');
     for (int plane = 0; plane < 4; plane++) {
         bool there = plane == 3 ? picture->has_alpha : plane < picture->planes;
-        if (!there) continue;
-        printf("%s\"%s\": ", between, cmd_plane_name(picture, plane));
-        cmd_print_json_number(value[plane]);
-        between = ", ";
+        if (there) cmd_json_number(cmd_plane_name(picture, plane), value[plane]);
     }
-    putchar('}');
+    cmd_json_close('}');
 }
 
 static void print_json_percentiles(const hdr_stats *stats) {
-    printf(", \"percentiles\": {");
+    cmd_json_open("percentiles", '{');
     for (int i = 0; i < HDR_PERCENTILES; i++) {
-        printf("%s\"%g\": ", i ? ", " : "", stats->percentile_percent[i]);
-        cmd_print_json_number(stats->percentile[i]);
+        char percent[32];
+        snprintf(percent, sizeof percent, "%g", stats->percentile_percent[i]);
+        cmd_json_number(percent, stats->percentile[i]);
     }
-    putchar('}');
+    cmd_json_close('}');
 }
 
 static void print_json_counts(const hdr_stats *stats) {
-    print_json_count("pixels", stats->pixels);
-    print_json_count("lit", stats->lit);
-    print_json_count("nan", stats->nan);
-    print_json_count("positive_infinity", stats->positive_infinity);
-    print_json_count("negative_infinity", stats->negative_infinity);
-    print_json_count("negative", stats->negative);
-    print_json_count("unlit_colour", stats->unlit_colour);
+    cmd_json_integer("pixels", (long long)stats->pixels);
+    cmd_json_integer("lit", (long long)stats->lit);
+    cmd_json_integer("nan", (long long)stats->nan);
+    cmd_json_integer("positive_infinity", (long long)stats->positive_infinity);
+    cmd_json_integer("negative_infinity", (long long)stats->negative_infinity);
+    cmd_json_integer("negative", (long long)stats->negative);
+    cmd_json_integer("unlit_colour", (long long)stats->unlit_colour);
 }
 
 static void print_json_luminance(const hdr_stats *stats) {
-    print_json_value("min_luminance", stats->min_luminance);
-    print_json_value("max_luminance", stats->max_luminance);
-    print_json_value("min_lit", stats->min_lit);
-    print_json_value("log_average", stats->log_average);
+    cmd_json_number("min_luminance", stats->min_luminance);
+    cmd_json_number("max_luminance", stats->max_luminance);
+    cmd_json_number("min_lit", stats->min_lit);
+    cmd_json_number("log_average", stats->log_average);
     print_json_percentiles(stats);
-    printf(", \"grey\": %s, \"opaque\": %s}\n", stats->grey ? "true" : "false", stats->opaque ? "true" : "false");
+    cmd_json_flag("grey", stats->grey);
+    cmd_json_flag("opaque", stats->opaque);
 }
 
 /* of: how many files there are. */
 static void print_json(const hdr_stats *stats, const char *name, int of) {
-    printf("{\"file\": ");
-    cmd_print_json_text(name);
-    if (of > 1) printf(", \"of\": %d", of);
-    printf(", ");
-    cmd_print_picture_json(&stats->picture);
+    cmd_json_open(NULL, '{');
+    cmd_json_text("file", name);
+    if (of > 1) cmd_json_integer("of", of);
+    cmd_json_picture(&stats->picture);
     print_json_counts(stats);
     print_json_planes("min", &stats->picture, stats->min);
     print_json_planes("max", &stats->picture, stats->max);
     print_json_luminance(stats);
+    cmd_json_end();
 }
 
 static void print_json_together(const hdr_stats *stats, int files) {
-    printf("{\"files\": %d", files);
+    cmd_json_open(NULL, '{');
+    cmd_json_integer("files", files);
     print_json_counts(stats);
     print_json_luminance(stats);
+    cmd_json_end();
 }
 
 static void print_stats(const hdr_chain *chain, const hdr_stats *stats, const char *name, int of) {
