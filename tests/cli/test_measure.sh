@@ -43,6 +43,39 @@ for words in '' '--crop 10,20,100,77' '--crop 390,290,50,50' '--window data' --r
     "$hdr" exr $words -o "$work/self.exr" testdata/interior.exr && "$hdr" pfm -o "$work/self.pfm" "$work/self.exr"
     check "mean of what is stored otherwise, $words" cmp -s "$work/all.pfm" "$work/self.pfm"
 done
+# tiles, of which some columns are joined at a time, across more than there are: alike, and of several sizes
+wide() { # SEED
+    "$BUILD/testdata/render" interior --width 2600 --height 30 --samples 1 --seed "$1" --type half --compression zip \
+        --threads 1 -o "$work/wide$1.exr"
+}
+tiled() { # SEED NAME WIDTH HEIGHT COMPRESSION
+    exrmaketiled -t "$3" "$4" -z "$5" "$work/wide$1.exr" "$work/tiled$1$2.exr"
+}
+for seed in 1 2 3; do
+    wide "$seed"
+done
+"$hdr" mean : pfm -o "$work/wide.pfm" "$work/wide1.exr" "$work/wide2.exr" "$work/wide3.exr"
+"$hdr" diff : pfm -o "$work/wide_diff.pfm" "$work/wide1.exr" "$work/wide2.exr"
+if command -v exrmaketiled >/dev/null; then
+    for seed in 1 2 3; do
+        tiled "$seed" small 48 8 zip && tiled "$seed" large 700 1000 piz
+    done
+    for size in small large; do
+        "$hdr" mean : pfm -o "$work/all.pfm" "$work/tiled1$size.exr" "$work/tiled2$size.exr" "$work/tiled3$size.exr"
+        check "mean of $size tiles" cmp -s "$work/wide.pfm" "$work/all.pfm"
+        "$hdr" diff : pfm -o "$work/all.pfm" "$work/tiled1$size.exr" "$work/tiled2$size.exr"
+        check "diff of $size tiles" cmp -s "$work/wide_diff.pfm" "$work/all.pfm"
+    done
+    for words in '' '--crop 1000,3,900,20' '--crop 40,8,2000,8'; do
+        # shellcheck disable=SC2086 # words, or none
+        "$hdr" mean $words : pfm -o "$work/wide.pfm" "$work/wide1.exr" "$work/wide2.exr" "$work/wide3.exr"
+        # shellcheck disable=SC2086 # words, or none
+        "$hdr" mean $words : pfm -o "$work/all.pfm" "$work/tiled1small.exr" "$work/tiled2large.exr" "$work/wide3.exr"
+        check "mean of tiles of several sizes and lines, $words" cmp -s "$work/wide.pfm" "$work/all.pfm"
+    done
+else
+    skip 'there is no exrmaketiled'
+fi
 # a chain behind it, in one process and through a pipe
 expect_status 0 'mean then' "$hdr" mean : reinhard : pfm -o "$work/chain.pfm" "$work/half.exr" "$work/twice.exr"
 "$hdr" mean "$work/half.exr" "$work/twice.exr" | "$hdr" reinhard | "$hdr" pfm >"$work/pipe.pfm"

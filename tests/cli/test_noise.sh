@@ -77,6 +77,39 @@ cp "$work/stdout" "$work/one"
 # shellcheck disable=SC2046 # words
 expect_status 0 'threads' "$hdr" noise --json -j3 $(renders 1 20)
 check 'threads change nothing' cmp -s "$work/one" "$work/stdout"
+# wide ones: tiles, of which some columns are held at a time; and less memory than a band of all would take
+for seed in 1 2 3; do
+    "$BUILD/testdata/render" interior --width 2600 --height 70 --samples 1 --seed "$seed" --type half --compression zip \
+        --threads 1 -o "$work/wide$seed.exr"
+done
+wide='' tiled=''
+i=0
+while [ "$i" -lt 24 ]; do # of which three differ: as long as they are many, that is all the same
+    wide="$wide $work/wide$((i % 3 + 1)).exr" tiled="$tiled $work/tiled$((i % 3 + 1)).exr"
+    i=$((i + 1))
+done
+# shellcheck disable=SC2086 # words
+expect_status 0 'wide' "$hdr" noise --json $wide
+cp "$work/stdout" "$work/one"
+rmv=$(number rmv) relative=$(number relative)
+# shellcheck disable=SC2086 # words
+expect_status 0 'little memory' "$hdr" noise --json --memory 1M $wide
+check 'little memory changes nothing' cmp -s "$work/one" "$work/stdout"
+if command -v exrmaketiled >/dev/null; then
+    for seed in 1 2 3; do
+        exrmaketiled -t 300 50 -z zip "$work/wide$seed.exr" "$work/tiled$seed.exr"
+    done
+    # shellcheck disable=SC2086 # words
+    expect_status 0 'tiles' "$hdr" noise --json $tiled
+    cp "$work/stdout" "$work/one"
+    check 'tiles: rmv' within "$(number rmv)" "$rmv" "$(awk -v v="$rmv" 'BEGIN { print v * 1e-12 }')"
+    check 'tiles: relative' within "$(number relative)" "$relative" "$(awk -v v="$relative" 'BEGIN { print v * 1e-12 }')"
+    # shellcheck disable=SC2086 # words
+    expect_status 0 'tiles, little memory' "$hdr" noise --json --memory 1M $tiled
+    check 'tiles, little memory: nothing changes' cmp -s "$work/one" "$work/stdout"
+else
+    skip 'there is no exrmaketiled'
+fi
 # shellcheck disable=SC2046 # words
 expect_status 0 'a target' "$hdr" noise --target 1 --json $(renders 1 20)
 check 'a target: (rmv / target)^2 renders' test "$(number renders_for_target)" = \
