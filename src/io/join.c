@@ -188,6 +188,32 @@ static void describe(join_source *source) {
         height > 0 && hdr_window_width(&base->picture.data) > 0 ? hdr_source_block_of(base, (int)(height - 1)) + 1 : 0;
 }
 
+/* Weights that the pictures' own headers tell. */
+static hdr_status find_weights(join_source *source, const hdr_joined *joined, hdr_error *err) {
+    hdr_joining *joining = &source->joining;
+    if (!joining->weights_from) return HDR_OK;
+    joining->weights = hdr_alloc((size_t)joining->pictures, sizeof *joining->weights);
+    if (!joining->weights) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+    for (int i = 0; i < joining->pictures; i++) {
+        double *weight = &joining->weights[i];
+        hdr_status status =
+            hdr_source_number(joined->members[i], &source->members[i]->picture, joining->weights_from, weight, err);
+        if (status != HDR_OK) return status;
+        if (!(*weight > 0 && *weight <= HDR_MOST_WEIGHT))
+            return hdr_fail(err, HDR_BAD_DATA, "%s: its attribute '%.200s' is no number above 0, up to %g",
+                            hdr_input_name(joined->members[i]), joining->weights_from, HDR_MOST_WEIGHT);
+    }
+    return HDR_OK;
+}
+
+hdr_status hdr_join_attributes(const hdr_source *base, hdr_bytes *attributes, hdr_error *err) {
+    const hdr_joining *joining = &((const join_source *)base)->joining;
+    double sum = 0;
+    for (int i = 0; joining->weights_from && i < joining->pictures; i++)
+        sum += joining->weights[i];
+    return joining->weights_from ? hdr_exr_set_number(attributes, joining->weights_from, sum, err) : HDR_OK;
+}
+
 hdr_source *hdr_join_open(hdr_input *input, const hdr_reading *reading, const hdr_joining *joining, hdr_error *err) {
     join_source *source = hdr_alloc(1, sizeof *source);
     if (!source) {
@@ -206,8 +232,8 @@ hdr_source *hdr_join_open(hdr_input *input, const hdr_reading *reading, const hd
         describe(source);
         divide(source);
         source->seen = hdr_alloc((size_t)source->base.blocks, sizeof *source->seen);
-        if (source->seen) return &source->base;
-        hdr_fail(err, HDR_INTERNAL, "out of memory");
+        if (!source->seen) hdr_fail(err, HDR_INTERNAL, "out of memory");
+        if (source->seen && find_weights(source, joined, err) == HDR_OK) return &source->base;
     }
     close_source(&source->base);
     return NULL;

@@ -65,6 +65,10 @@ hdr_contents *hdr_source_contents(hdr_input *input, const hdr_reading *reading, 
 hdr_status hdr_source_attributes(hdr_input *input, const hdr_picture *picture, hdr_exr_fate fate, hdr_bytes *out,
                                  int *left_out, hdr_error *err);
 
+/* The number that an attribute of the same file is; NaN: it is none. HDR_BAD_DATA: there is no such attribute. */
+hdr_status hdr_source_number(hdr_input *input, const hdr_picture *picture, const char *name, double *number,
+                             hdr_error *err);
+
 /* The formats. */
 hdr_source *hdr_exr_open(hdr_input *input, const hdr_reading *reading, hdr_error *err);
 hdr_source *hdr_pfm_open(hdr_input *input, const hdr_reading *reading, hdr_error *err);

@@ -30,9 +30,9 @@ static const hdr_option options[] = {
     {.name = "weights",
      .type = HDR_OPTION_TEXT,
      .offset = offsetof(mean_params, weights),
-     .metavar = "W,W,...",
+     .metavar = "WEIGHTS",
      .default_value = "equal",
-     .help = "a number above 0 for each file, such as its samples per pixel; equal: all count alike"},
+     .help = "W,W,...: a number above 0 for each file; from:ATTRIBUTE: that of its header; equal: all count alike"},
     {.name = "robust",
      .type = HDR_OPTION_CHOICE,
      .offset = offsetof(mean_params, robust),
@@ -58,7 +58,7 @@ static bool take_weight(const char **text, double *weight) {
     memcpy(digits, *text, length);
     digits[length] = '\0';
     const char *end = hdr_read_number(digits, weight);
-    if (!end || *end || !(*weight > 0 && *weight <= 1e30)) return false;
+    if (!end || *end || !(*weight > 0 && *weight <= HDR_MOST_WEIGHT)) return false;
     *text += length;
     return true;
 }
@@ -73,18 +73,23 @@ static int read_weights(const char *text, double *weights, int room) {
     }
 }
 
-static bool is_weighted(const mean_params *p) {
-    return strcmp(p->weights, "equal") != 0;
+/* The attribute that tells the weights, or NULL. */
+static const char *attribute_of(const mean_params *p) {
+    static const char from[] = "from:";
+    return strncmp(p->weights, from, strlen(from)) == 0 ? p->weights + strlen(from) : NULL;
 }
 
 static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
     const mean_params *p = params;
+    const char *attribute = attribute_of(p);
+    bool equal = strcmp(p->weights, "equal") == 0;
     for (int i = 0; i < given->count; i++)
         if (!strcmp(given->given[i].option->name, "groups") && p->robust == ROBUST_NONE)
             return hdr_fail(err, HDR_USAGE, "--groups has no meaning without --robust median-of-means");
-    if (is_weighted(p) && read_weights(p->weights, NULL, 0) < 0)
-        return hdr_refuse_text(options, "weights", p->weights, "is no list of numbers above 0", err);
-    if (is_weighted(p) && (p->robust != ROBUST_NONE || p->show != SHOW_MEAN))
+    if (attribute ? !*attribute : !equal && read_weights(p->weights, NULL, 0) < 0)
+        return hdr_refuse_text(options, "weights", p->weights,
+                               attribute ? "names no attribute" : "is no list of numbers above 0", err);
+    if (!equal && (p->robust != ROBUST_NONE || p->show != SHOW_MEAN))
         return hdr_fail(err, HDR_USAGE, "--weights are for the plain mean alone");
     if (p->robust != ROBUST_NONE && p->show != SHOW_MEAN)
         return hdr_fail(err, HDR_USAGE, "--robust has a mean only, no %s", shows[p->show]);
@@ -211,7 +216,9 @@ static hdr_status join(const void *params, hdr_joining *joining, hdr_error *err)
     joining->slots = !plain ? MOMENT_SLOTS : p->robust == ROBUST_NONE ? MEAN_SLOTS : groups * MEAN_SLOTS;
     joining->add = plain ? add_to_group : add_moments;
     joining->end = plain ? end_groups : end_moments;
-    return is_weighted(p) ? take_weights(p->weights, joining, err) : HDR_OK;
+    joining->weights_from = attribute_of(p);
+    bool listed = !joining->weights_from && strcmp(p->weights, "equal") != 0;
+    return listed ? take_weights(p->weights, joining, err) : HDR_OK;
 }
 
 static const char *const examples[] = {"hdr mean -o OUT.exr IN.exr IN.exr",
@@ -235,7 +242,11 @@ const hdr_verb hdr_verb_mean = {
              "their number, nor with their size but for the chunks that they are stored in: large tiles take more.\n\n"
              "--weights 16,64,64 is for renders of different length: each component is the sum of weight times "
              "number, divided by "
-             "the weights' sum.\n\n"
+             "the weights' sum. --weights from:samplesPerPixel takes them from that attribute of each file's header, "
+             "an "
+             "int, a float, a double or a text. Several renderers write their number of samples there (pbrt under this "
+             "name, Blender as cycles.ViewLayer.samples); 'hdr info' lists what a file has. Each must have it. In the "
+             "header of the mean it becomes the sum, so that means can be averaged again.\n\n"
              "--show variance is that of one render, M2 / (n - 1), and deviation its root, the standard "
              "deviation; mean-variance and mean-deviation are those of the mean of all n: variance / n, and its "
              "root. They need two renders (a component that only one has becomes 0), have no alpha, and hold no matter "

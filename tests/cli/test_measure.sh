@@ -93,9 +93,33 @@ check 'weights' awk -v e="$(figure smape "$work/json")" 'BEGIN { exit !(e != "" 
 "$hdr" mean --weights 2,2,2 -o "$work/weighted.exr" "$work/half.exr" "$work/twice.exr" "$room"
 "$hdr" error --json --against "$work/mean.exr" "$work/weighted.exr" >"$work/json"
 check 'equal weights' awk -v e="$(figure smape "$work/json")" 'BEGIN { exit !(e != "" && e < 1e-7) }'
-for weights in '' 1 1,2,3 '1,,' 1,0 1,-2 a,b '1,2,'; do
+for weights in '' 1 1,2,3 '1,,' 1,0 1,-2 a,b '1,2,' from: From:x; do
     expect_status 64 "--weights '$weights'" "$hdr" mean --weights "$weights" -o "$work/x.exr" "$room" "$room"
 done
+# weights from the header, as tests/unit/test_exr_attributes.c has them in all types
+expect_status 65 'no such attribute' "$hdr" mean --weights from:samplesPerPixel -o "$work/x.exr" "$work/half.exr" "$work/twice.exr"
+check 'no such attribute: which file' stderr_has 'half.exr: its header has no attribute'
+expect_status 65 'a file without attributes' "$hdr" mean --weights from:samplesPerPixel -o "$work/x.exr" "$work/wide.pfm" "$work/wide.pfm"
+check 'no weights: nothing is written' absent "$work/x.exr"
+if command -v exrstdattr >/dev/null; then
+    exrstdattr -int samplesPerPixel 1 "$work/half.exr" "$work/counted1.exr"
+    exrstdattr -string samplesPerPixel 3 "$work/twice.exr" "$work/counted3.exr"
+    "$hdr" mean --weights 1,3 : pfm -o "$work/weighted.pfm" "$work/half.exr" "$work/twice.exr"
+    "$hdr" mean --weights from:samplesPerPixel -o "$work/counted4.exr" "$work/counted1.exr" "$work/counted3.exr"
+    "$hdr" pfm -o "$work/counted.pfm" "$work/counted4.exr"
+    check 'weights from the header' cmp -s "$work/weighted.pfm" "$work/counted.pfm"
+    "$hdr" info "$work/counted4.exr" >"$work/info"
+    check 'the mean has as many samples as all' grep -q 'samplesPerPixel (int) 4$' "$work/info"
+    "$hdr" mean --weights 4,3 : pfm -o "$work/weighted.pfm" "$work/counted4.exr" "$work/twice.exr"
+    "$hdr" mean --weights from:samplesPerPixel : pfm -o "$work/counted.pfm" "$work/counted4.exr" "$work/counted3.exr"
+    check 'a mean that is averaged again' cmp -s "$work/weighted.pfm" "$work/counted.pfm"
+    "$hdr" mean --weights from:samplesPerPixel "$work/counted1.exr" "$work/counted3.exr" | "$hdr" pfm >"$work/piped.pfm"
+    "$hdr" pfm -o "$work/counted.pfm" "$work/counted4.exr"
+    check 'weights from the header, through a pipe' cmp -s "$work/piped.pfm" "$work/counted.pfm"
+else
+    skip 'there is no exrstdattr'
+fi
+expect_status 64 'weights from the header and a median' "$hdr" mean --weights from:x --robust median-of-means -o "$work/x.exr" "$room" "$room"
 expect_status 64 'weights and a variance' "$hdr" mean --weights 1,2 --show variance -o "$work/x.exr" "$room" "$room"
 # two numbers a and b: the variance is (a - b)^2 / 2
 "$hdr" mean --show variance : stats --json "$work/half.exr" "$work/twice.exr" >"$work/variance"
