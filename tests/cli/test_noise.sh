@@ -131,6 +131,62 @@ expect_status 65 'other sizes' "$hdr" noise "$work/1.exr" testdata/interior.exr
 expect_status 66 'a file is missing' "$hdr" noise "$work/1.exr" "$work/missing.exr"
 expect_status 73 'a map that cannot be' "$hdr" noise --sampling-map "$work/none/x.exr" "$work/1.exr" "$work/2.exr"
 expect_status 64 'a map on standard output' "$hdr" noise --sampling-map - "$work/1.exr" "$work/2.exr"
+# ---- The plot ----------------------------------------------------------------------------------------------------
+
+# read_plot FILE: what its marks, the ends of its bars and those of its line stand for, by the numbers at the axes alone:
+# "mark SIZE RMV", "end SIZE RMV", "line SIZE RMV". What lies below the frame explains the signs.
+read_plot() {
+    # shellcheck disable=SC2016 # awk's own
+    sed -n 's/^<text x="\([0-9.]*\)" y="488.0" text-anchor="middle">\([0-9.e+-]*\)<.*/x \1 \2/p
+            s/^<text x="82" y="\([0-9.]*\)" text-anchor="end">\([0-9.e+-]*\)<.*/y \1 \2/p
+            s/^<circle cx="\([0-9.]*\)" cy="\([0-9.]*\)" .*/mark \1 \2/p
+            s/^<line x1="\([0-9.]*\)" y1="[0-9.]*" x2="\1" y2="\([0-9.]*\)" stroke="#0072b2".*/end \1 \2/p
+            s/^<line x1="\([0-9.]*\)" y1="\([0-9.]*\)" x2="\([0-9.]*\)" y2="\([0-9.]*\)" stroke="#909090".*/line \1 \2\nline \3 \4/p' "$1" |
+        awk '
+            $1 == "x" { x[++xs] = $2; xv[xs] = log($3); next }
+            $1 == "y" { y[++ys] = $2 - 4.5; yv[ys] = log($3); next }
+            $3 < 470 { print $1, exp(xv[1] + ($2 - x[1]) * (xv[xs] - xv[1]) / (x[xs] - x[1])),
+                exp(yv[1] + ($3 - y[1]) * (yv[ys] - yv[1]) / (y[ys] - y[1])) }'
+}
+
+# Each line of $work/wanted stands among what was read, to a hundredth; and there are as many of them.
+as_wanted() {
+    [ "$(wc -l <"$work/wanted")" -eq "$(wc -l <"$work/read")" ] || return 1
+    # shellcheck disable=SC2016 # awk's own
+    awk 'NR == FNR { kind[++n] = $1; size[n] = $2; rmv[n] = $3; next }
+        { found = 0
+          for (i = 1; i <= n; i++)
+              if (kind[i] == $1 && (size[i] / $2 - 1) ^ 2 < 1e-4 && (rmv[i] / $3 - 1) ^ 2 < 1e-4) found = 1
+          if (!found) exit 1 }' "$work/read" "$work/wanted"
+}
+
+for count in 40 5 3 2; do
+    # shellcheck disable=SC2046 # words
+    expect_status 0 "a plot of $count" "$hdr" noise --json --plot "$work/plot.svg" $(renders 1 "$count")
+    # shellcheck disable=SC2046 # words
+    "$hdr" noise --json $(renders 1 "$count") >"$work/json"
+    check "a plot of $count: the same is printed" cmp -s "$work/json" "$work/stdout"
+    check "a plot of $count: XML" well_formed "$work/plot.svg"
+    read_plot "$work/plot.svg" >"$work/read"
+    # shellcheck disable=SC2016 # awk's own
+    sed 's/.*"convergence": \[//; s/}, /\n/g' "$work/json" | sed 's/[^0-9.e+ n-]//g; s/[a-df-z]//g' |
+        awk '{ size = rmv = error = ""
+               for (i = 1; i <= NF; i++) if ($i ~ /^[0-9]/) { if (size == "") size = $i; else if (rmv == "") rmv = $i; else error = $i }
+               if (NR == 1) { first = rmv; print "line 1", rmv }
+               print "mark", size, rmv
+               if (error != "") { print "end", size, rmv + error; print "end", size, rmv - error < rmv / 10 ? rmv / 10 : rmv - error }
+               last = size }
+             END { print "line", last, first / sqrt(last) }' >"$work/wanted"
+    check "a plot of $count: its marks are the numbers" as_wanted
+done
+expect_status 0 'a plot of no noise' "$hdr" noise --plot "$work/plot.svg" "$work/1.exr" "$work/1.exr"
+check 'a plot of no noise: XML' well_formed "$work/plot.svg"
+check 'a plot of no noise: no mark' test -z "$(read_plot "$work/plot.svg")"
+check 'a plot of no noise: it says so' grep -q 'figures of 0' "$work/plot.svg"
+expect_status 64 'a plot that is no SVG' "$hdr" noise --plot "$work/x.png" "$work/1.exr" "$work/2.exr"
+expect_status 73 'a plot that cannot be' "$hdr" noise --plot "$work/none/x.svg" "$work/1.exr" "$work/2.exr"
+expect_status 65 'a plot of other sizes' "$hdr" noise --plot "$work/x.svg" "$work/1.exr" testdata/interior.exr
+check 'a plot of other sizes: nothing is written' absent "$work/x.svg"
 # the same render twice has no noise
 expect_status 0 'one render twice' "$hdr" noise --json "$work/1.exr" "$work/1.exr"
 check 'one render twice: no noise' test "$(number rmv)" = 0
