@@ -84,6 +84,7 @@ typedef struct hdr_option {
     const char *default_value; /* as it would be typed; NULL: off, or none */
     const char *help;          /* one line, no full stop */
     bool travels;              /* common options only: it changes the picture, so it goes along in a pipe's head */
+    const char *clause; /* other than by default it stands for a clause behind its own: these words, and its value */
 } hdr_option;
 
 /* The options that every verb accepts, once in a chain. */

@@ -55,6 +55,9 @@ hdr_status hdr_chain_add_clause(hdr_chain *chain, const char *const words[], int
  * the same. */
 hdr_status hdr_chain_add_reading(hdr_chain *chain, const char *const words[], int count, hdr_error *err);
 
+/* Adds the clauses that options of the last one stand for, in the place of these options. */
+hdr_status hdr_chain_spell_out(hdr_chain *chain, hdr_error *err);
+
 /* The common options that do not travel, as chain has them: they stay with the program they were given to. */
 hdr_status hdr_chain_add_local(hdr_chain *whole, const hdr_chain *chain, hdr_error *err);
 

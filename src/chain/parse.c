@@ -507,7 +507,7 @@ static hdr_status read_clause(hdr_chain *chain, words *from, allowed what, hdr_e
            !(options && what == ALL_WORDS && ends_clause(clause, from->word[from->next])))
         status = read_word(chain, clause, from, what, &options, &own);
     if (!status) status = close_clause(clause, &own);
-    if (!status) return HDR_OK;
+    if (!status) return hdr_chain_spell_out(chain, err);
     hdr_fail_in(&own, clause->verb->about.name);
     return hdr_fail(err, status, "%s", own.message);
 }

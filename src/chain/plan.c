@@ -245,7 +245,7 @@ static hdr_status plan_clause(planning *p, int number, const hdr_clause *clause,
     hdr_verdict verdict;
     hdr_status status = resolve(p, number, clause, &facts, &step, &verdict, err);
     if (status) return status;
-    bool mapped = step.form == HDR_FORM_MAPPED;
+    bool mapped = step.form == HDR_FORM_MAPPED || step.form == HDR_FORM_PALETTE;
     bool encodes = step.state[0] && strcmp(step.state, "linear") != 0 && !mapped;
     if (p->foreign && (encodes || step.bits || step.wants_rec709) && !strcmp(p->state, "linear")) {
         /* what the verb was told of is not what will reach it */
@@ -270,6 +270,7 @@ static hdr_status plan_clause(planning *p, int number, const hdr_clause *clause,
         if (mapped) hdr_run_spread(run);
         if (mapped && step.state[0]) change_primaries(p, number, &step);
         carry_range(p, &step, &facts);
+        if (step.legend.palette) run->legend = step.legend;
     }
     if (step.state[0]) memcpy(p->state, step.state, sizeof p->state);
     if (step.bits) p->bits = step.bits;

@@ -60,6 +60,7 @@ typedef struct hdr_run {
     bool mapped;           /* by a step that makes three planes of any, with primaries of its own */
     bool scene_light;      /* what the steps make is a scene's light, without bounds, or the code of it */
     int light_steps;       /* the steps in front of the first that encodes; -1: none does */
+    hdr_legend legend;     /* of the last step that has one */
     double cut;            /* the largest component of such light that was cut to a code; 0: none was */
     hdr_plane **surrounds; /* of the steps that have one */
     int surround_count;

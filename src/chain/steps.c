@@ -60,6 +60,38 @@ static void apply_mapper(hdr_strip *strip, const hdr_mapper *mapper) {
     }
 }
 
+/* ---- Palettes ---- */
+
+/* Of three numbers the one that is farthest from 0, the first of several. */
+static double farthest(double r, double g, double b) {
+    double larger = fabs(g) > fabs(r) ? g : r;
+    return fabs(b) > fabs(larger) ? b : larger;
+}
+
+/* The colour of a value's place in [0,1]; what lies outside has the first or the last. */
+static uint32_t colour_at(const uint32_t *palette, double place) {
+    double number = place * HDR_PALETTE_SIZE;
+    return palette[!(number > 0) ? 0 : number < HDR_PALETTE_SIZE - 1 ? (int)number : HDR_PALETTE_SIZE - 1];
+}
+
+static double component_of(uint32_t colour, int plane) {
+    return (colour >> (16 - 8 * plane) & 0xff) / 255.0;
+}
+
+static void apply_palette(hdr_strip *strip, const hdr_step *step) {
+    if (step->of_largest)
+        for (size_t i = 0; i < strip->count; i++)
+            strip->y[i] = farthest(strip->c[0][i], strip->c[1][i], strip->c[2][i]);
+    else
+        hdr_strip_luminance(strip, step->luminance);
+    step->curve->rows(&step->constants, strip->y, strip->count);
+    for (size_t i = 0; i < strip->count; i++) {
+        uint32_t colour = colour_at(step->palette, strip->y[i]);
+        for (int p = 0; p < 3; p++)
+            strip->c[p][i] = component_of(colour, p);
+    }
+}
+
 /* ---- By rows ---- */
 
 /* strip->ld has Ld: C' = (C/Y)^saturation Ld. */
@@ -111,6 +143,9 @@ static void apply_rows(hdr_strip *strip, const hdr_step *step) {
     case HDR_FORM_MAPPED:
         apply_mapper(strip, step->mapper);
         break;
+    case HDR_FORM_PALETTE:
+        apply_palette(strip, step);
+        break;
     }
 }
 
@@ -134,6 +169,13 @@ static void reference_pixel(const hdr_strip *strip, size_t i, const hdr_step *st
         double threshold = hdr_dither_threshold(&step->dither, strip->place_x + (int)i, strip->place_y);
         for (int p = 0; p < planes; p++)
             *pixel[p] = hdr_held(step->local->exact(&step->constants, *pixel[p], threshold));
+    } else if (step->form == HDR_FORM_PALETTE) {
+        const double *w = step->luminance;
+        double y = r == g && g == b ? r : w[0] * r + w[1] * g + w[2] * b;
+        double value = step->of_largest ? farthest(r, g, b) : y;
+        uint32_t colour = colour_at(step->palette, step->curve->exact(&step->constants, value));
+        for (int p = 0; p < 3; p++)
+            *pixel[p] = component_of(colour, p);
     } else if (step->form != HDR_FORM_MATRIX) {
         const double *w = step->luminance;
         double y = r == g && g == b ? r : w[0] * r + w[1] * g + w[2] * b;
@@ -168,7 +210,7 @@ static void apply_reference(hdr_strip *strip, const hdr_step *step) {
 void hdr_strip_apply(hdr_strip *strip, const hdr_step *steps, int first, int end, bool reference) {
     for (int s = first; s < end; s++) {
         bool mapped = steps[s].form == HDR_FORM_MAPPED;
-        if (mapped || steps[s].form == HDR_FORM_MATRIX) spread(strip);
+        if (mapped || steps[s].form == HDR_FORM_MATRIX || steps[s].form == HDR_FORM_PALETTE) spread(strip);
         if (reference && !mapped)
             apply_reference(strip, &steps[s]);
         else

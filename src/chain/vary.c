@@ -73,3 +73,33 @@ hdr_status hdr_chain_add_again(hdr_chain *chain, const hdr_chain *other, int num
     free(own);
     return status;
 }
+
+/* A clause: words, parted by spaces, and the value of the option that stands for them. */
+static hdr_status add_spelt_out(hdr_chain *chain, const char *words, const char *value, hdr_error *err) {
+    char text[100];
+    const char *word[8];
+    int count = 0;
+    snprintf(text, sizeof text, "%s", words);
+    for (char *rest = NULL, *w = strtok_r(text, " ", &rest); w && count < 7; w = strtok_r(NULL, " ", &rest))
+        word[count++] = w;
+    word[count++] = value;
+    return hdr_chain_add_clause(chain, word, count, err);
+}
+
+hdr_status hdr_chain_spell_out(hdr_chain *chain, hdr_error *err) {
+    int number = chain->count - 1;
+    hdr_status status = HDR_OK;
+    for (int i = 0; number >= 0 && !status && i < chain->clauses[number].given.count;) {
+        hdr_options *given = &chain->clauses[number].given;
+        const hdr_given taken = given->given[i];
+        if (!taken.option->clause) {
+            i++;
+            continue;
+        }
+        memmove(given->given + i, given->given + i + 1, (size_t)(--given->count - i) * sizeof taken);
+        if (strcmp(taken.text, taken.option->default_value) != 0)
+            status = add_spelt_out(chain, taken.option->clause, taken.text, err);
+        free(taken.text);
+    }
+    return status;
+}

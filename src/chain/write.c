@@ -16,6 +16,7 @@ typedef struct writing {
     hdr_frame frame;              /* planes and alpha are set by each attempt */
     bool may_be_grey;             /* the format stores one plane where the picture is grey */
     hdr_bytes attributes, record; /* what the frame points to */
+    hdr_drawing legend;           /* the frame's last rows */
     hdr_sink *sink;
     int64_t first_end, step; /* bands: the frame's row behind the first; rows of those that follow, but the last */
     int bands;
@@ -109,6 +110,18 @@ static hdr_status add_attributes(writing *w, const char *state, bool converted, 
     status = hdr_chain_print(chain, &w->record, err);
     if (!status) status = hdr_bytes_add(&w->record, "", 1, err);
     w->frame.record = (const char *)w->record.data;
+    return status;
+}
+
+/* The rows of the legend come below those of the window. */
+static hdr_status add_legend(writing *w, hdr_error *err) {
+    const hdr_run *run = w->run;
+    hdr_frame *frame = &w->frame;
+    if (!run->legend.palette || !w->format->format->codes) return HDR_OK;
+    if (frame->height > INT32_MAX - hdr_legend_height(frame->width, frame->height))
+        return hdr_fail(err, HDR_BAD_DATA, "there is no room for a legend below it: see --no-legend");
+    hdr_status status = hdr_legend_draw(&run->legend, frame->width, frame->height, &w->legend, err);
+    frame->height += w->legend.height;
     return status;
 }
 
@@ -287,6 +300,20 @@ static bool make_row(const writing *w, int thread, const hdr_block *block, int f
     return true;
 }
 
+/* A row of the legend, as samples. */
+static void copy_legend(const writing *w, int row, unsigned char *out) {
+    const uint32_t *pixels = w->legend.pixels + (size_t)row * (size_t)w->legend.width;
+    size_t channels = (size_t)hdr_frame_channels(&w->frame);
+    for (size_t i = 0; i < (size_t)w->legend.width * channels; i++) {
+        unsigned plane = (unsigned)(i % channels);
+        unsigned code = plane < 3 ? pixels[i / channels] >> (16 - 8 * plane) & 0xff : 0xff;
+        if (w->frame.sample == HDR_SAMPLE_U8)
+            out[i] = (uint8_t)code;
+        else
+            ((uint16_t *)(void *)out)[i] = (uint16_t)(code * 257);
+    }
+}
+
 /* The rows of a band. False: the attempt is over, or err is filled. */
 static bool make_band(const writing *w, int thread, int first, int end, hdr_error *err) {
     hdr_run *run = w->run;
@@ -297,6 +324,10 @@ static bool make_band(const writing *w, int thread, int first, int end, hdr_erro
     int current = -1;
     hdr_block block;
     for (int row = first; row < end; row++, out += row_bytes) {
+        if (row >= w->frame.height - w->legend.height) {
+            copy_legend(w, row - (w->frame.height - w->legend.height), out);
+            continue;
+        }
         int64_t data_row = (int64_t)window->min_y + row - data->min_y;
         if (beside || data_row < 0 || data_row >= hdr_window_height(data)) {
             make_border(w, thread, row, out);
@@ -434,7 +465,7 @@ static void explain_tail(const writing *w) {
     if (w->half_codes)
         hdr_say(run->listener, HDR_EXPLAIN,
                 "each channel by itself from half: a table of 65536 codes stands for the whole chain");
-    else if (w->tabulated)
+    else if (w->tabulated && w->tail < run->step_count)
         hdr_say(run->listener, HDR_EXPLAIN,
                 "the last %d of %d: 255 thresholds stand for these steps, since only 256 codes can come out",
                 run->step_count - w->tail, run->step_count);
@@ -463,6 +494,7 @@ hdr_status hdr_run_write(hdr_run *run, const hdr_verb *format, const void *param
     w.tail = hdr_steps_tail(run->steps, run->step_count);
     w.watched = choose_watched(&w);
     hdr_status status = choose_frame(&w, err);
+    if (!status) status = add_legend(&w, err);
     if (!status) status = add_attributes(&w, state, converted, err);
     bool table = w.frame.sample == HDR_SAMPLE_U8 && !run->settings.reference && !run->settings.no_skip;
     if (!status && table) {
@@ -489,6 +521,7 @@ hdr_status hdr_run_write(hdr_run *run, const hdr_verb *format, const void *param
     close_sink(&w);
     free(w.table);
     free(w.half_codes);
+    hdr_drawing_free(&w.legend);
     free(w.attributes.data);
     free(w.record.data);
     return status;

@@ -9,9 +9,11 @@
 typedef struct diff_params {
     int kind;
     hdr_number epsilon, exaggerate;
+    int false_colour; /* another clause's business */
 } diff_params;
 
 enum { KIND_SIGNED, KIND_ABSOLUTE, KIND_RELATIVE, KIND_SQUARED, KIND_SMAPE };
+static const char *const maps[] = {"none", HDR_PALETTE_NAMES, NULL};
 static const char *const diff_kinds[] = {"signed", "absolute", "relative", "squared", "smape", NULL};
 
 static const hdr_option options[] = {{.name = "kind",
@@ -39,6 +41,14 @@ static const hdr_option options[] = {{.name = "kind",
                                       .above_min = true,
                                       .default_value = "1",
                                       .help = "multiply by this"},
+                                     {.name = "false-colour",
+                                      .type = HDR_OPTION_CHOICE,
+                                      .offset = offsetof(diff_params, false_colour),
+                                      .metavar = "MAP",
+                                      .words = maps,
+                                      .default_value = "none",
+                                      .clause = "falsecolour --of largest --map",
+                                      .help = "short for: then falsecolour --of largest --map MAP"},
                                      {0}};
 
 static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
@@ -93,7 +103,8 @@ static hdr_status join(const void *params, hdr_joining *joining, hdr_error *err)
 }
 
 static const char *const examples[] = {"hdr diff -o OUT.exr IN.exr IN.exr",
-                                       "hdr diff --kind relative then stats IN.exr IN.exr", NULL};
+                                       "hdr diff --kind relative then stats IN.exr IN.exr",
+                                       "hdr diff --kind smape --false-colour magma -o OUT.png IN.exr IN.exr", NULL};
 
 const hdr_verb hdr_verb_diff = {
     .about =
@@ -105,7 +116,10 @@ const hdr_verb hdr_verb_diff = {
              "alpha; alpha itself is left out. Where either is NaN or infinite there is no difference: it is 0, and "
              "counted on standard error.\n\n"
              "--kind signed: x - r. absolute: |x - r|. relative: |x - r| / (|r| + E). squared: (x - r)^2. smape: |x - "
-             "r| / (|x| + |r| + E). E is --epsilon.",
+             "r| / (|x| + |r| + E). E is --epsilon.\n\n"
+             "--false-colour shows the error of the worst component of each pixel by colours, with a legend below; see "
+             "hdr-falsecolour(1), which takes more options behind a then. Signed errors are best seen in coolwarm, all "
+             "others in one that grows lighter, such as viridis.",
          .examples = examples,
          .options = options,
          .kind = HDR_JOIN,

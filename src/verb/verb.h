@@ -11,6 +11,7 @@
 #include "kernel/joining.h"
 #include "kernel/dither.h"
 #include "picture/facts.h"
+#include "picture/palette.h"
 #include "picture/plane.h"
 
 typedef struct hdr_verb hdr_verb;
@@ -94,7 +95,8 @@ typedef enum hdr_form {
     HDR_FORM_LOCAL,     /* Ld = f(Y, S), S the pixel's surround; C' as above */
     HDR_FORM_PLACED,    /* C' = f(C, t), each colour channel by itself, t the threshold of the pixel's place */
     HDR_FORM_MATRIX,    /* (R',G',B') = M (R,G,B) */
-    HDR_FORM_MAPPED     /* (R',G',B') = what the mapper makes of (R,G,B); their primaries are its matter from then on */
+    HDR_FORM_MAPPED,    /* (R',G',B') = what the mapper makes of (R,G,B); their primaries are its matter from then on */
+    HDR_FORM_PALETTE    /* (R',G',B') = the palette's colour number 256 f(Y), rounded down; Rec.709's from then on */
 } hdr_form;
 
 /* A clause resolved against the facts. */
@@ -113,6 +115,9 @@ typedef struct hdr_step {
     double lit[3];            /* weights of Y in any case; filled by the chain */
     double matrix[9];         /* HDR_FORM_MATRIX, by rows */
     const hdr_mapper *mapper; /* HDR_FORM_MAPPED */
+    const uint32_t *palette;  /* HDR_FORM_PALETTE */
+    bool of_largest;          /* the same: not of Y, but of the component that is farthest from 0 */
+    hdr_legend legend;        /* the same: drawn below a picture of codes */
     bool wants_rec709;        /* the same: it takes pixels in Rec.709's primaries, as verbs that encode do */
     const hdr_chromaticities *primaries; /* HDR_FORM_MAPPED: of what is linear behind it; NULL: they are not known */
     char decodes[64];                    /* not empty: the state that it takes the pixels to be in */

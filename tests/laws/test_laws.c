@@ -402,9 +402,11 @@ static void check_ascends(const law_variant *variant, const char *what, const fl
           count ? values[first] : 0);
 }
 
-/* Global curves: those that look at a pixel by itself, and not at its place, by a formula of their own. */
+/* Global curves: those that look at a pixel by itself, and not at its place, by a formula of their own. What is shown
+ * by a palette grows by the palette's order, which is no order of numbers. */
 static bool is_global(const law_variant *variant, const hdr_step *step) {
-    return !is_spatial(variant) && step->form != HDR_FORM_PLACED && step->form != HDR_FORM_MAPPED;
+    return !is_spatial(variant) && step->form != HDR_FORM_PLACED && step->form != HDR_FORM_MAPPED &&
+           step->form != HDR_FORM_PALETTE;
 }
 
 static void test_monotone(void) {

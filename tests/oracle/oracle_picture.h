@@ -249,7 +249,7 @@ static void oracle_rgb_to_xyz(const oracle_primaries *primaries, oracle_matrix m
     }
 }
 
-static oracle_weights oracle_weights_of(const oracle_picture *picture) {
+static inline oracle_weights oracle_weights_of(const oracle_picture *picture) {
     oracle_weights weights = {.rec709 = !picture->foreign};
     oracle_matrix m;
     oracle_rgb_to_xyz(&picture->primaries, m);
