@@ -78,39 +78,51 @@ static void print_grid(FILE *to, double x1, double y1, double x2, double y2, boo
     plot_line(to, x1, y1, x2, y2, strong ? "stroke=\"#d4d4d4\"" : "stroke=\"#f0f0f0\"");
 }
 
-/* Numbers stand at decades and, where there are few, at 2 and 5 times them, too. */
-static bool has_number(const plot_axis *axis, int digit) {
+typedef struct tick {
+    int exponent, digit; /* digit * 10^exponent; in front of the first one the digit is 0 */
+    double at;           /* its logarithm */
+} tick;
+
+static tick before_ticks(const plot_axis *axis) {
+    return (tick){.exponent = (int)floor(axis->low)};
+}
+
+static bool next_tick(const plot_axis *axis, tick *t) {
+    do {
+        t->exponent += t->digit / 9;
+        t->digit = t->digit % 9 + 1;
+        t->at = t->exponent + log10(t->digit);
+    } while (t->at < axis->low);
+    return t->at <= axis->high;
+}
+
+/* At decades and, where there are few, at 2 and 5 times them, too. */
+static void print_number(FILE *to, const plot_axis *axis, const tick *t, double x, double y, const char *anchor) {
     bool few = axis->high - axis->low < 2.5;
-    return digit == 1 || (few && (digit == 2 || digit == 5));
+    if (t->digit == 1 || (few && (t->digit == 2 || t->digit == 5)))
+        fprintf(to, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\">%.10g</text>\n", x, y, anchor,
+                t->digit * pow(10, t->exponent));
 }
 
 void plot_x_axis(FILE *to, const plot_axis *axis, double foot) {
-    for (int e = (int)floor(axis->low); e <= (int)ceil(axis->high); e++)
-        for (int digit = 1; digit < 10; digit++) {
-            double at = e + log10(digit);
-            if (at < axis->low || at > axis->high) continue;
-            double x = plot_x(axis, pow(10, at));
-            print_grid(to, x, PLOT_TOP, x, foot, digit == 1);
-            plot_line(to, x, foot, x, foot + (digit == 1 ? 6 : 4), "stroke=\"#404040\"");
-            if (has_number(axis, digit))
-                fprintf(to, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%.10g</text>\n", x, foot + 22,
-                        digit * pow(10, e));
-        }
+    for (tick t = before_ticks(axis); next_tick(axis, &t);) {
+        double x = plot_x(axis, pow(10, t.at));
+        print_grid(to, x, PLOT_TOP, x, foot, t.digit == 1);
+        plot_line(to, x, foot, x, foot + (t.digit == 1 ? 6 : 4), "stroke=\"#404040\"");
+        print_number(to, axis, &t, x, foot + 22, "middle");
+    }
 }
 
 void plot_y_axis(FILE *to, const plot_axis *axis, bool powers) {
-    for (int e = (int)floor(axis->low); e <= (int)ceil(axis->high); e++)
-        for (int digit = 1; digit < 10; digit++) {
-            double at = e + log10(digit);
-            if (at < axis->low || at > axis->high) continue;
-            double y = plot_y(axis, pow(10, at));
-            if (digit == 1) print_grid(to, PLOT_LEFT, y, PLOT_RIGHT, y, true);
-            plot_line(to, PLOT_LEFT - (digit == 1 ? 6 : 3), y, PLOT_LEFT, y, "stroke=\"#404040\"");
-            if (powers && digit == 1) print_power(to, PLOT_LEFT - 10, y + 4.5, e);
-            if (!powers && has_number(axis, digit))
-                fprintf(to, "<text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">%.10g</text>\n", PLOT_LEFT - 10, y + 4.5,
-                        digit * pow(10, e));
-        }
+    for (tick t = before_ticks(axis); next_tick(axis, &t);) {
+        double y = plot_y(axis, pow(10, t.at));
+        if (t.digit == 1) print_grid(to, PLOT_LEFT, y, PLOT_RIGHT, y, true);
+        plot_line(to, PLOT_LEFT - (t.digit == 1 ? 6 : 3), y, PLOT_LEFT, y, "stroke=\"#404040\"");
+        if (!powers)
+            print_number(to, axis, &t, PLOT_LEFT - 10, y + 4.5, "end");
+        else if (t.digit == 1)
+            print_power(to, PLOT_LEFT - 10, y + 4.5, t.exponent);
+    }
 }
 
 void plot_frame(FILE *to, int top, int bottom) {

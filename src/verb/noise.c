@@ -80,7 +80,9 @@ const hdr_verb hdr_verb_noise = {
              "proportion to its standard deviation, which gives the mean its least variance (Neyman 1934).\n\n"
              "Components that are NaN or infinite in one render are left out of all, and counted; with --strict that "
              "is an error. The map begins at 0,0, wherever the data window does, and gives no samples to a pixel whose "
-             "components are all left out.",
+             "components are all left out.\n\n"
+             "Rows of all renders are held together, as they are stored, a chunk's height at a time; of tiles, some "
+             "columns. What does not fit --memory is decoded more than once.",
          .examples = examples,
          .options = options,
          .kind = HDR_PROGRAM},

@@ -77,6 +77,11 @@ cp "$work/stdout" "$work/one"
 # shellcheck disable=SC2046 # words
 expect_status 0 'threads' "$hdr" noise --json -j3 $(renders 1 20)
 check 'threads change nothing' cmp -s "$work/one" "$work/stdout"
+for cpu in c avx2; do
+    # shellcheck disable=SC2046 # words
+    HDR_CPU=$cpu "$hdr" noise --json $(renders 1 20) >"$work/stdout"
+    check "HDR_CPU=$cpu changes nothing" cmp -s "$work/one" "$work/stdout"
+done
 # wide ones: tiles, of which some columns are held at a time; and less memory than a band of all would take
 for seed in 1 2 3; do
     "$BUILD/testdata/render" interior --width 2600 --height 70 --samples 1 --seed "$seed" --type half --compression zip \
@@ -138,7 +143,7 @@ expect_status 64 'a map on standard output' "$hdr" noise --sampling-map - "$work
 read_plot() {
     # shellcheck disable=SC2016 # awk's own
     sed -n 's/^<text x="\([0-9.]*\)" y="488.0" text-anchor="middle">\([0-9.e+-]*\)<.*/x \1 \2/p
-            s/^<text x="82" y="\([0-9.]*\)" text-anchor="end">\([0-9.e+-]*\)<.*/y \1 \2/p
+            s/^<text x="82.0" y="\([0-9.]*\)" text-anchor="end">\([0-9.e+-]*\)<.*/y \1 \2/p
             s/^<circle cx="\([0-9.]*\)" cy="\([0-9.]*\)" .*/mark \1 \2/p
             s/^<line x1="\([0-9.]*\)" y1="[0-9.]*" x2="\1" y2="\([0-9.]*\)" stroke="#0072b2".*/end \1 \2/p
             s/^<line x1="\([0-9.]*\)" y1="\([0-9.]*\)" x2="\([0-9.]*\)" y2="\([0-9.]*\)" stroke="#909090".*/line \1 \2\nline \3 \4/p' "$1" |
