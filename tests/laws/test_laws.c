@@ -263,8 +263,11 @@ static unsigned long compared_codes, changed_codes;
 
 static void check_exposure(const law_variant *variant, const law_picture *picture, const law_picture *scaled,
                            int stops) {
-    law_result a = law_run(picture, "%s then png -j 1 --explain", variant->words);
-    law_result b = law_run(scaled, "%s then png -j 1", variant->words);
+    /* a legend tells the exposure */
+    bool legend = hdr_option_find(variant->verb->about.options, "no-legend") && !strstr(variant->words, "--no-legend");
+    const char *bare = legend ? " --no-legend" : "";
+    law_result a = law_run(picture, "%s%s then png -j 1 --explain", variant->words, bare);
+    law_result b = law_run(scaled, "%s%s then png -j 1", variant->words, bare);
     /* what has nothing to measure by leaves the picture as it is: black, or a percentile that is not above 0 */
     if (strstr(a.said, "skipped:")) {
         free(a.bytes);
