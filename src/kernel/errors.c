@@ -1,6 +1,7 @@
 #include "kernel/errors.h"
 
 #include "base/cpu.h"
+#include "kernel/strip.h"
 
 #include <math.h>
 
@@ -47,8 +48,7 @@ void hdr_error_sums(const double *x, const double *r, size_t count, double epsil
     double lane[HDR_ERROR_SUMS][LANES] = {{0}};
     add_lanes(x, r, count, epsilon, lane);
     for (int s = 0; s < HDR_ERROR_SUMS; s++)
-        sums[s] += ((lane[s][0] + lane[s][1]) + (lane[s][2] + lane[s][3])) +
-                   ((lane[s][4] + lane[s][5]) + (lane[s][6] + lane[s][7]));
+        sums[s] += hdr_sum_lanes(lane[s]);
 }
 
 size_t hdr_error_worst(const double *x, const double *r, size_t count, double *worst) {
