@@ -378,14 +378,6 @@ static hdr_status measure(measuring *m, hdr_error *error) {
     return status;
 }
 
-static hdr_status draw(const bench *b, hdr_output *plot, hdr_error *error) {
-    size_t size = 0;
-    char *text = bench_plot(b, &size);
-    hdr_status status = text ? hdr_output_fill(plot, text, size, error) : cmd_out_of_memory(error);
-    free(text);
-    return status;
-}
-
 /* The plot is asked for first: a name that cannot be is a mistake that must not wait for the measurements' end. */
 static hdr_status measure_and_tell(measuring *m, hdr_error *error) {
     const char *name = hdr_chain_given(m->chain, 0, "plot");
@@ -399,7 +391,7 @@ static hdr_status measure_and_tell(measuring *m, hdr_error *error) {
         bench_print_csv(&m->b);
     else if (status == HDR_OK)
         bench_print_table(&m->b);
-    if (status == HDR_OK && plot) status = draw(&m->b, plot, error);
+    if (status == HDR_OK && plot) status = bench_plot(&m->b, plot, error);
     hdr_input_free(m->input);
     hdr_output_free(plot);
     return status;

@@ -121,7 +121,7 @@ void bench_describe_times(const bench *b, char *text, size_t size);
 
 /* ---- bench_plot.c ---- */
 
-/* Run time against error, as SVG. NULL: out of memory. Release it with free(). */
-char *bench_plot(const bench *b, size_t *size);
+/* Run time against error, as SVG. */
+hdr_status bench_plot(const bench *b, hdr_output *output, hdr_error *error);
 
 #endif

@@ -101,8 +101,9 @@ hdr_status cmd_stats(hdr_chain *chain, hdr_error *error);
 /* error.c */
 hdr_status cmd_error(hdr_chain *chain, hdr_error *error);
 
-/* noise.c */
+/* noise.c; noise_plot.c */
 hdr_status cmd_noise(hdr_chain *chain, hdr_error *error);
+hdr_status cmd_plot_noise(const hdr_noise *noise, hdr_output *output, hdr_error *error);
 
 /* ocio.c: the names in the configuration of a clause of the verb ocio */
 hdr_status cmd_ocio_list(hdr_chain *chain, int clause, hdr_error *error);

@@ -94,24 +94,31 @@ static hdr_status write_map(const hdr_chain *chain, const hdr_noise *noise, hdr_
     return status;
 }
 
+/* A file that an option names; NULL: the option is not given, or the error is filled. */
+static hdr_output *open_named(const hdr_chain *chain, const char *option, hdr_error *error) {
+    const char *name = hdr_chain_given(chain, 1, option);
+    return name ? hdr_output_open(name, error) : NULL;
+}
+
 hdr_status cmd_noise(hdr_chain *chain, hdr_error *error) {
     if (hdr_chain_clause(chain, 2)) return cmd_refuse(error, "noise reads files: write what a chain makes first");
-    const char *map = hdr_chain_given(chain, 1, "sampling-map");
-    hdr_output *output = map ? hdr_output_open(map, error) : NULL;
-    if (map && !output) return error->status;
     double target = cmd_number(chain, 1, "target", 0);
-    cmd_inputs opened = cmd_open_files(chain, error);
+    hdr_output *map = open_named(chain, "sampling-map", error), *plot = open_named(chain, "plot", error);
+    cmd_inputs opened = {.count = 0};
+    if (error->status == HDR_OK) opened = cmd_open_files(chain, error);
     hdr_noise noise = {.renders = 0};
     hdr_status status = opened.count > 0 ? hdr_measure_noise(chain, opened.count, opened.inputs,
                                                              cmd_number(chain, 1, "epsilon", 0), map, &noise, error)
                                          : error->status;
-    if (status == HDR_OK && map) status = write_map(chain, &noise, output, error);
+    if (status == HDR_OK && map) status = write_map(chain, &noise, map, error);
+    if (status == HDR_OK && plot) status = cmd_plot_noise(&noise, plot, error);
     if (status == HDR_OK && hdr_chain_settings(chain)->json)
         print_json(&noise, target);
     else if (status == HDR_OK)
         print_text(&noise, target);
     hdr_noise_free(&noise);
     cmd_close_files(&opened);
-    hdr_output_free(output);
+    hdr_output_free(map);
+    hdr_output_free(plot);
     return status;
 }

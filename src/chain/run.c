@@ -1,6 +1,7 @@
 #include "chain/run.h"
 
 #include "io/join.h"
+#include "io/reader.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -39,6 +40,7 @@ static hdr_source *open_source(const hdr_chain *chain, hdr_input *input, hdr_err
     const hdr_clause *first = &chain->clauses[0];
     hdr_joining joining = {.params = first->params, .pictures = joined->count};
     if (!first->verb->join(first->params, &joining, err)) return hdr_join_open(input, &reading, &joining, err);
+    free(joining.weights);
     hdr_fail_in(err, first->verb->about.name);
     return NULL;
 }
@@ -186,25 +188,7 @@ static bool load_plane(hdr_run *run, hdr_watch *watch, const hdr_block *block, i
         memset(out, 0, count * sizeof *out);
         return true;
     }
-    const unsigned char *at = block->plane[channel] + (size_t)row * block->stride[channel];
-    if (block->type[channel] == HDR_HALF) {
-        const uint16_t *half = (const uint16_t *)(const void *)at + x;
-        if (hdr_half_all_finite(half, count)) {
-            hdr_half_to_real(half, out, count);
-            return true;
-        }
-        for (size_t i = 0; i < count; i++)
-            out[i] = hdr_half_value(half[i]);
-    } else if (block->type[channel] == HDR_UINT) {
-        const uint32_t *values = (const uint32_t *)(const void *)at + x;
-        for (size_t i = 0; i < count; i++)
-            out[i] = values[i];
-        return true;
-    } else {
-        const float *values = (const float *)(const void *)at + x;
-        hdr_float_to_real(values, out, count);
-        if (hdr_float_all_finite(values, count)) return true;
-    }
+    if (hdr_block_load(block, channel, row, (size_t)x, out, count) == 0) return true;
     bool known = true;
     for (size_t i = 0; i < count; i++)
         known &= repair(run, watch, channel, &out[i]);

@@ -1,6 +1,7 @@
 /* The sweep that writes: from a block to packed bytes on one thread, while its lines are warm. */
 #include "chain/run.h"
 
+#include "io/join.h"
 #include "picture/colour.h"
 
 #include <stdlib.h>
@@ -104,6 +105,7 @@ static hdr_status add_attributes(writing *w, const char *state, bool converted, 
     if (left_out)
         hdr_say(run->listener, HDR_NOTE, "%s: %d attribute%s of its header %s damaged or too large, and left out",
                 run->name, left_out, left_out == 1 ? "" : "s", left_out == 1 ? "is" : "are");
+    if (!status && hdr_chain_joins(chain)) status = hdr_join_attributes(run->source, &w->attributes, err);
     w->frame.attributes = &w->attributes;
     if (status || !recorded) return status;
     status = hdr_chain_print(chain, &w->record, err);

@@ -1,8 +1,11 @@
 #include "io/exr_attributes.h"
 
+#include "base/options.h"
 #include "io/exr_text.h"
 #include "io/exr_walk.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -86,10 +89,7 @@ static exr_result_t open_records(const unsigned char *records, size_t size, hdr_
     hdr_status status = hdr_exr_begin(bytes, &fault);
     for (int i = 0; i < NEEDED && status == HDR_OK; i++) {
         if (is_among(records, size, needed[i].name)) continue;
-        const unsigned char size_bytes[4] = {needed[i].size};
-        status = hdr_bytes_add(bytes, needed[i].name, strlen(needed[i].name) + 1, &fault);
-        if (status == HDR_OK) status = hdr_bytes_add(bytes, needed[i].type, strlen(needed[i].type) + 1, &fault);
-        if (status == HDR_OK) status = hdr_bytes_add(bytes, size_bytes, sizeof size_bytes, &fault);
+        status = hdr_exr_label(bytes, needed[i].name, needed[i].type, needed[i].size, &fault);
         if (status == HDR_OK) status = hdr_bytes_add(bytes, needed[i].value, needed[i].size, &fault);
     }
     if (status == HDR_OK) status = hdr_bytes_add(bytes, records, size, &fault);
@@ -159,6 +159,103 @@ hdr_status hdr_exr_attributes(hdr_input *input, int part, hdr_exr_fate fate, hdr
     hdr_status status = hdr_exr_walk(input, &file, &visitor, err);
     hdr_exr_file_free(&file);
     *left_out = gathering.left_out;
+    return status;
+}
+
+/* ---- Numbers ---- */
+
+enum { NUMBER_TEXT = 64 };
+
+struct seeking {
+    hdr_input *input;
+    int part;
+    const char *name;
+    bool found;
+    double number;
+};
+
+/* NaN: the value is no number. It has a NUL behind it. */
+static double number_of(const char *type, const unsigned char *value, uint32_t size) {
+    union {
+        uint32_t bits;
+        float number;
+    } single;
+    union {
+        uint64_t bits;
+        double number;
+    } wide;
+    if (!strcmp(type, "int") && size == 4) return (int32_t)hdr_little_endian_32(value);
+    if (!strcmp(type, "string")) {
+        const char *end = hdr_read_number((const char *)value, &wide.number);
+        return end && !*end ? wide.number : NAN;
+    }
+    if (!strcmp(type, "float") && size == 4) {
+        single.bits = hdr_little_endian_32(value);
+        return (double)single.number;
+    }
+    if (strcmp(type, "double") != 0 || size != 8) return NAN;
+    wide.bits = hdr_little_endian_64(value);
+    return wide.number;
+}
+
+static hdr_status seek_number(void *context, int part, const hdr_exr_attribute *attribute, hdr_error *err) {
+    struct seeking *seeking = context;
+    unsigned char value[NUMBER_TEXT + 1] = {0};
+    if (part != seeking->part || seeking->found || strcmp(attribute->name, seeking->name) != 0) return HDR_OK;
+    seeking->found = true;
+    if (attribute->size > NUMBER_TEXT) return HDR_OK;
+    int64_t count = hdr_input_read(seeking->input, value, attribute->size, attribute->value, err);
+    if (count < 0) return HDR_IO;
+    seeking->number = number_of(attribute->type, value, (uint32_t)count);
+    return HDR_OK;
+}
+
+hdr_status hdr_exr_number(hdr_input *input, int part, const char *name, bool *found, double *number, hdr_error *err) {
+    struct seeking seeking = {.input = input, .part = part, .name = name, .number = NAN};
+    const hdr_exr_visitor visitor = {seek_number, &seeking};
+    hdr_exr_file file;
+    hdr_status status = hdr_exr_walk(input, &file, &visitor, err);
+    hdr_exr_file_free(&file);
+    *found = seeking.found;
+    *number = seeking.number;
+    return status;
+}
+
+/* A number as the value of a type, the lowest byte first. How many bytes that takes. */
+static uint32_t value_of(const char *type, double number, unsigned char value[NUMBER_TEXT]) {
+    union {
+        float number;
+        uint32_t bits;
+    } single = {.number = (float)number};
+    union {
+        double number;
+        uint64_t bits;
+    } wide = {.number = number};
+    if (!strcmp(type, "string")) return (uint32_t)snprintf((char *)value, NUMBER_TEXT, "%.15g", number);
+    uint64_t bits = !strcmp(type, "int") ? (uint32_t)number : !strcmp(type, "float") ? single.bits : wide.bits;
+    uint32_t size = !strcmp(type, "double") ? 8 : 4;
+    for (uint32_t i = 0; i < size; i++)
+        value[i] = (unsigned char)(bits >> 8 * i);
+    return size;
+}
+
+hdr_status hdr_exr_set_number(hdr_bytes *attributes, const char *name, double number, hdr_error *err) {
+    size_t at = 0;
+    while (at < attributes->size && strcmp((const char *)attributes->data + at, name) != 0)
+        at += record_size(attributes->data + at);
+    if (at >= attributes->size) return HDR_OK;
+    unsigned char value[NUMBER_TEXT];
+    const char *type = (const char *)attributes->data + at + strlen(name) + 1;
+    if (!strcmp(type, "int") && !(number <= INT32_MAX)) type = "double";
+    size_t behind = at + record_size(attributes->data + at);
+    uint32_t size = value_of(type, number, value);
+    hdr_bytes changed = {0};
+    hdr_status status = hdr_bytes_add(&changed, attributes->data, at, err);
+    if (status == HDR_OK) status = hdr_exr_label(&changed, name, type, size, err);
+    if (status == HDR_OK) status = hdr_bytes_add(&changed, value, size, err);
+    if (status == HDR_OK) status = hdr_bytes_add(&changed, attributes->data + behind, attributes->size - behind, err);
+    free(attributes->data);
+    *attributes = changed;
     return status;
 }
 

@@ -24,6 +24,14 @@ typedef struct hdr_exr_fate {
 hdr_status hdr_exr_attributes(hdr_input *input, int part, hdr_exr_fate fate, hdr_bytes *out, int *left_out,
                               hdr_error *err);
 
+/* The number that an attribute of a part is: of type int, float, double, or a string that holds nothing else. NaN: it
+ * is none. *found: there is such an attribute. */
+hdr_status hdr_exr_number(hdr_input *input, int part, const char *name, bool *found, double *number, hdr_error *err);
+
+/* Makes an attribute among those that hdr_exr_attributes has appended, of such a type, another number, above 0. What is
+ * too large for an int becomes a double. Nothing: if it is not among them. */
+hdr_status hdr_exr_set_number(hdr_bytes *attributes, const char *name, double number, hdr_error *err);
+
 /* Puts them into the header that context is about to write, which has its own already; they count. record: what is
  * appended to HDR_EXR_RECORD, or NULL. */
 exr_result_t hdr_exr_put_attributes(exr_context_t context, const hdr_bytes *attributes, const char *record);

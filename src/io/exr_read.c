@@ -42,6 +42,7 @@ struct exr_worker {
     hdr_exr_unpacker *unpacker;
     uint64_t entry[ENTRIES]; /* of the chunk table, those from first_entry on: where chunks begin */
     int64_t first_entry, entries;
+    int64_t first_column, end_column; /* that are looked at; where end_column is 0, all are */
     struct buffer packed;
     struct buffer chunk;  /* a tile's pixels, or a block of lines */
     struct buffer planes; /* planes that cannot be used where they were decoded */
@@ -320,8 +321,8 @@ static void place_tile(const struct exr_source *source, const struct exr_worker 
 
 static hdr_status read_tiles(struct exr_source *source, struct exr_worker *worker, hdr_block *block, hdr_error *err) {
     int64_t first = block->first_row / source->header.chunk_rows * source->tiles_across;
-    int64_t from = source->base.first_column / source->header.tile_width, end = source->tiles_across;
-    if (source->base.end_column) end = (source->base.end_column - 1) / source->header.tile_width + 1;
+    int64_t from = worker->first_column / source->header.tile_width, end = source->tiles_across;
+    if (worker->end_column) end = (worker->end_column - 1) / source->header.tile_width + 1;
     for (int64_t across = from; across < end; across++) {
         hdr_exr_chunk tile = chunk_at(source, first + across);
         hdr_status status = decode_chunk(source, worker, &tile, tile.size, 0, err);
@@ -351,11 +352,18 @@ static void worker_free(hdr_source *base, void *worker) {
     free(own);
 }
 
+static void worker_columns(void *worker, int64_t first, int64_t end) {
+    struct exr_worker *own = worker;
+    own->first_column = first;
+    own->end_column = end;
+}
+
 static hdr_status worker_new(hdr_source *base, void **worker, hdr_error *err) {
     struct exr_source *source = (struct exr_source *)base;
     struct exr_worker *own = hdr_alloc(1, sizeof *own);
     *worker = NULL;
     if (!own) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+    worker_columns(own, base->first_column, base->end_column);
     hdr_error fault = {0};
     own->unpacker = hdr_exr_unpacker_new(&source->header, &fault);
     if (!own->unpacker) {
@@ -403,6 +411,7 @@ static hdr_status lay_out(struct exr_source *source, uint64_t memory, hdr_error 
             (long long)held_rows);
     source->row_bytes = (size_t)row_bytes;
     source->base.block_rows = block_rows;
+    source->base.tile_columns = header->tiled ? (int)chunk_width : 0;
     source->base.blocks = (int)((height + block_rows - 1) / block_rows);
     for (int p = 0; p < 4; p++) {
         size_t size = hdr_type_size(header->picture.channels[p].type);
@@ -422,6 +431,7 @@ hdr_source *hdr_exr_open(hdr_input *input, const hdr_reading *reading, hdr_error
     source->base.worker_new = worker_new;
     source->base.read = read_block;
     source->base.worker_free = worker_free;
+    source->base.worker_columns = worker_columns;
     source->base.close = close_source;
     hdr_status status = hdr_exr_header_read(input, reading, &source->header, err);
     if (status == HDR_OK) status = lay_out(source, reading->memory, err);

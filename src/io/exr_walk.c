@@ -113,14 +113,17 @@ static hdr_status add_value(hdr_input *input, const hdr_exr_attribute *attribute
     return status;
 }
 
+hdr_status hdr_exr_label(hdr_bytes *to, const char *name, const char *type, uint32_t size, hdr_error *err) {
+    const unsigned char bytes[4] = {(unsigned char)size, (unsigned char)(size >> 8), (unsigned char)(size >> 16),
+                                    (unsigned char)(size >> 24)};
+    hdr_status status = hdr_bytes_add(to, name, strlen(name) + 1, err);
+    if (status == HDR_OK) status = hdr_bytes_add(to, type, strlen(type) + 1, err);
+    return status == HDR_OK ? hdr_bytes_add(to, bytes, sizeof bytes, err) : status;
+}
+
 hdr_status hdr_exr_keep(hdr_input *input, const hdr_exr_attribute *attribute, uint32_t longest, hdr_bytes *to,
                         hdr_error *err) {
-    uint32_t size = attribute->size;
-    const unsigned char size_bytes[4] = {(unsigned char)size, (unsigned char)(size >> 8), (unsigned char)(size >> 16),
-                                         (unsigned char)(size >> 24)};
-    hdr_status status = hdr_bytes_add(to, attribute->name, strlen(attribute->name) + 1, err);
-    if (status == HDR_OK) status = hdr_bytes_add(to, attribute->type, strlen(attribute->type) + 1, err);
-    if (status == HDR_OK) status = hdr_bytes_add(to, size_bytes, sizeof size_bytes, err);
+    hdr_status status = hdr_exr_label(to, attribute->name, attribute->type, attribute->size, err);
     return status == HDR_OK ? add_value(input, attribute, longest, to, err) : status;
 }
 

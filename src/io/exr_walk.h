@@ -58,6 +58,8 @@ hdr_status hdr_exr_walk(hdr_input *input, hdr_exr_file *file, const hdr_exr_visi
 /* Appends a header's beginning, the magic number and version word; and an attribute, as a file has it. A value longer
  * than `longest` is HDR_BAD_DATA. */
 hdr_status hdr_exr_begin(hdr_bytes *to, hdr_error *err);
+/* The same of what stands in front of an attribute's value. */
+hdr_status hdr_exr_label(hdr_bytes *to, const char *name, const char *type, uint32_t size, hdr_error *err);
 hdr_status hdr_exr_keep(hdr_input *input, const hdr_exr_attribute *attribute, uint32_t longest, hdr_bytes *to,
                         hdr_error *err);
 void hdr_exr_file_free(hdr_exr_file *file);

@@ -1,10 +1,8 @@
 #include "io/forms.h"
 
 #include "io/input.h"
-#include "kernel/strip.h"
 #include "picture/colour.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -62,56 +60,4 @@ hdr_source **hdr_open_alike(int count, hdr_input *const inputs[], const hdr_read
         return NULL;
     }
     return sources;
-}
-
-uint64_t hdr_block_load(const hdr_block *block, int channel, int row, size_t x, double *out, size_t count) {
-    const unsigned char *at = block->plane[channel] + (size_t)row * block->stride[channel];
-    uint64_t strange = 0;
-    if (block->type[channel] == HDR_HALF) {
-        const uint16_t *half = (const uint16_t *)(const void *)at + x;
-        if (hdr_half_all_finite(half, count)) {
-            hdr_half_to_real(half, out, count);
-            return 0;
-        }
-        for (size_t i = 0; i < count; i++)
-            out[i] = hdr_half_value(half[i]);
-    } else if (block->type[channel] == HDR_UINT) {
-        for (size_t i = 0; i < count; i++)
-            out[i] = ((const uint32_t *)(const void *)at)[x + i];
-        return 0;
-    } else {
-        hdr_float_to_real((const float *)(const void *)at + x, out, count);
-        if (hdr_float_all_finite((const float *)(const void *)at + x, count)) return 0;
-    }
-    for (size_t i = 0; i < count; i++)
-        strange += !isfinite(out[i]);
-    return strange;
-}
-
-static void visit_row(const hdr_source *source, int channels, const hdr_block *block, int row, hdr_visit visit,
-                      void *context, uint64_t *strange) {
-    size_t width = (size_t)hdr_window_width(&source->picture.data);
-    double values[HDR_STRIP];
-    for (int channel = 0; channel < channels; channel++)
-        for (size_t x = 0; x < width && source->picture.present[channel]; x += HDR_STRIP) {
-            size_t count = width - x < HDR_STRIP ? width - x : HDR_STRIP;
-            *strange += hdr_block_load(block, channel, row - block->first_row, x, values, count);
-            visit(context, channel, row, x, values, count);
-        }
-}
-
-hdr_status hdr_source_visit(hdr_source *source, int channels, int first, int end, hdr_visit visit, void *context,
-                            uint64_t *strange, hdr_error *err) {
-    void *worker = NULL;
-    hdr_block block = {0};
-    int current = -1;
-    hdr_status status = source->worker_new(source, &worker, err);
-    for (int row = first; row < end && status == HDR_OK; row++) {
-        int wanted = hdr_source_block_of(source, row);
-        if (wanted != current) status = source->read(source, worker, wanted, &block, err);
-        current = wanted;
-        if (status == HDR_OK) visit_row(source, channels, &block, row, visit, context, strange);
-    }
-    if (worker) source->worker_free(source, worker);
-    return status;
 }

@@ -10,6 +10,9 @@
  * It takes the weights over, in any case. HDR_BAD_DATA: they are not of one form. */
 hdr_source *hdr_join_open(hdr_input *input, const hdr_reading *reading, const hdr_joining *joining, hdr_error *err);
 
+/* Among the attributes of the first picture's file, that which weights were taken from becomes their sum. */
+hdr_status hdr_join_attributes(const hdr_source *source, hdr_bytes *attributes, hdr_error *err);
+
 /* Components that were neither finite nor counted, of all blocks read so far, each once. */
 uint64_t hdr_join_left_out(const hdr_source *source);
 

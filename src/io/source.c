@@ -132,3 +132,14 @@ hdr_status hdr_source_attributes(hdr_input *input, const hdr_picture *picture, h
     if (joined) input = joined->members[0];
     return strcmp(picture->format, "exr") ? HDR_OK : hdr_exr_attributes(input, picture->part, fate, out, left_out, err);
 }
+
+hdr_status hdr_source_number(hdr_input *input, const hdr_picture *picture, const char *name, double *number,
+                             hdr_error *err) {
+    bool found = false;
+    if (!strcmp(picture->format, "exr")) {
+        hdr_status status = hdr_exr_number(input, picture->part, name, &found, number, err);
+        if (status != HDR_OK) return status;
+    }
+    if (found) return HDR_OK;
+    return hdr_fail(err, HDR_BAD_DATA, "%s: its header has no attribute '%.200s'", hdr_input_name(input), name);
+}

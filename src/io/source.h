@@ -17,11 +17,15 @@ struct hdr_source {
     /* Who reads the source may say that only columns first ... end-1 of the data window are looked at: then the others
      * need not be decoded, and hold anything. end = 0: all are. */
     int64_t first_column, end_column;
+    int tile_columns; /* tiles: how many columns each has; 0: all that a row of the data window has are decoded together
+                       */
     /* One worker per thread holds the buffers: new, read as often as wanted, free. */
     hdr_status (*worker_new)(hdr_source *source, void **worker, hdr_error *err);
     /* Decodes a block. What it points to stays valid until the worker's next read. */
     hdr_status (*read)(hdr_source *source, void *worker, int block, hdr_block *out, hdr_error *err);
     void (*worker_free)(hdr_source *source, void *worker);
+    /* The same of one worker, where there are tiles: what it reads from now on. NULL: there are none. */
+    void (*worker_columns)(void *worker, int64_t first, int64_t end);
     void (*close)(hdr_source *source);
 };
 
@@ -60,6 +64,10 @@ hdr_contents *hdr_source_contents(hdr_input *input, const hdr_reading *reading, 
 /* The attributes of the picture's file that go along into a file written of it, see io/exr_attributes.h. */
 hdr_status hdr_source_attributes(hdr_input *input, const hdr_picture *picture, hdr_exr_fate fate, hdr_bytes *out,
                                  int *left_out, hdr_error *err);
+
+/* The number that an attribute of the same file is; NaN: it is none. HDR_BAD_DATA: there is no such attribute. */
+hdr_status hdr_source_number(hdr_input *input, const hdr_picture *picture, const char *name, double *number,
+                             hdr_error *err);
 
 /* The formats. */
 hdr_source *hdr_exr_open(hdr_input *input, const hdr_reading *reading, hdr_error *err);

@@ -1,6 +1,7 @@
 #include "kernel/errors.h"
 
 #include "base/cpu.h"
+#include "kernel/strip.h"
 
 #include <math.h>
 
@@ -43,17 +44,19 @@ HDR_INLINE void find_worst_body(const double *x, const double *r, size_t count, 
 HDR_VERSIONS_IN(static, find_worst, (const double *x, const double *r, size_t count, double *worst),
                 (x, r, count, worst))
 
-void hdr_error_sums(const double *x, const double *r, size_t count, double epsilon, double sums[HDR_ERROR_SUMS],
-                    double *worst, size_t *worst_at) {
-    double lane[HDR_ERROR_SUMS][LANES] = {{0}}, before = *worst;
+void hdr_error_sums(const double *x, const double *r, size_t count, double epsilon, double sums[HDR_ERROR_SUMS]) {
+    double lane[HDR_ERROR_SUMS][LANES] = {{0}};
     add_lanes(x, r, count, epsilon, lane);
     for (int s = 0; s < HDR_ERROR_SUMS; s++)
-        sums[s] += ((lane[s][0] + lane[s][1]) + (lane[s][2] + lane[s][3])) +
-                   ((lane[s][4] + lane[s][5]) + (lane[s][6] + lane[s][7]));
+        sums[s] += hdr_sum_lanes(lane[s]);
+}
+
+size_t hdr_error_worst(const double *x, const double *r, size_t count, double *worst) {
+    double before = *worst;
+    size_t at = 0;
     find_worst(x, r, count, worst);
-    for (size_t i = 0; *worst > before && i < count; i++)
-        if (fabs(x[i] - r[i]) == *worst) {
-            *worst_at = i;
-            return;
-        }
+    if (!(*worst > before)) return count;
+    while (fabs(x[at] - r[at]) != *worst)
+        at++;
+    return at;
 }

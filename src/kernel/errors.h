@@ -17,9 +17,11 @@ enum {
 };
 
 /* Adds those of `count` pairs to sums; number i goes to lane i mod 8, the lanes are added in a fixed order. A pair of
- * which one is NaN or infinite counts for nothing. *worst: the largest |d| so far, and *worst_at the index of a larger
- * one in this row; otherwise both stay as they are. */
-void hdr_error_sums(const double *x, const double *r, size_t count, double epsilon, double sums[HDR_ERROR_SUMS],
-                    double *worst, size_t *worst_at);
+ * which one is NaN or infinite counts for nothing. */
+void hdr_error_sums(const double *x, const double *r, size_t count, double epsilon, double sums[HDR_ERROR_SUMS]);
+
+/* The first of the pairs that are farthest apart, if they are farther than *worst, which becomes their |d|; `count`
+ * where none is. */
+size_t hdr_error_worst(const double *x, const double *r, size_t count, double *worst);
 
 #endif

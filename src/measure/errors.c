@@ -4,6 +4,7 @@
 #include "base/pool.h"
 #include "chain/chain.h"
 #include "io/forms.h"
+#include "io/reader.h"
 #include "kernel/errors.h"
 #include "kernel/strip.h"
 #include "measure/measure.h"
@@ -12,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TILE = 64, TEST = 0, REFERENCE = 1 };
+enum { TILE = 64 /* HDR_STRIP is a multiple */, TEST = 0, REFERENCE = 1 };
 
 /* The largest error that a band has. */
 typedef struct worst {
@@ -20,64 +21,50 @@ typedef struct worst {
     int x, y, channel;
 } worst;
 
-/* Of each picture a thread's worker, and the block that it holds. */
-typedef struct reader {
-    void *worker[2];
-    hdr_block block[2];
-    int current[2];
-} reader;
-
 typedef struct comparing {
     hdr_source **source; /* two */
     double epsilon;
     int width, height, band_rows, bands, columns, rows; /* columns, rows: of tiles */
     double (*sums)[4][HDR_ERROR_SUMS];                  /* of each tile, of each channel */
     worst *worsts;                                      /* of each band */
-    reader *readers;
+    hdr_reader (*readers)[2];                           /* of each thread, of each picture */
     int threads;
 } comparing;
 
 /* ---- The sweep ---- */
 
-static hdr_status read_row(comparing *c, reader *r, int which, int row, hdr_error *err) {
-    hdr_source *source = c->source[which];
-    int wanted = hdr_source_block_of(source, row);
-    if (wanted == r->current[which]) return HDR_OK;
-    r->current[which] = -1;
-    hdr_status status = source->read(source, r->worker[which], wanted, &r->block[which], err);
-    if (status == HDR_OK) r->current[which] = wanted;
-    return status;
-}
-
-static void compare_tile(comparing *c, const reader *r, int channel, int row, int x, size_t count, worst *largest) {
-    double value[2][TILE];
-    size_t at = 0;
-    double before = largest->error;
-    for (int which = TEST; which <= REFERENCE; which++)
-        hdr_block_load(&r->block[which], channel, row - r->block[which].first_row, (size_t)x, value[which], count);
-    double *sums = c->sums[(size_t)(row / TILE) * (size_t)c->columns + (size_t)(x / TILE)][channel];
-    hdr_error_sums(value[TEST], value[REFERENCE], count, c->epsilon, sums, &largest->error, &at);
-    if (largest->error > before)
-        *largest = (worst){largest->error, value[TEST][at], value[REFERENCE][at], x + (int)at, row, channel};
-}
-
 static bool has_channel(const comparing *c, int channel) {
     return c->source[TEST]->picture.present[channel] && c->source[REFERENCE]->picture.present[channel];
 }
 
+/* A strip of a row: whole tiles, but for the row's end. */
+static void compare_strip(comparing *c, const hdr_reader r[2], int channel, int row, int x, worst *largest) {
+    double value[2][HDR_STRIP];
+    size_t count = c->width - x < HDR_STRIP ? (size_t)(c->width - x) : HDR_STRIP;
+    for (int which = TEST; which <= REFERENCE; which++)
+        hdr_block_load(&r[which].block, channel, row - r[which].block.first_row, (size_t)x, value[which], count);
+    double(*sums)[4][HDR_ERROR_SUMS] = c->sums + (size_t)(row / TILE) * (size_t)c->columns + (size_t)(x / TILE);
+    for (size_t i = 0; i < count; i += TILE, sums++)
+        hdr_error_sums(value[TEST] + i, value[REFERENCE] + i, count - i < TILE ? count - i : TILE, c->epsilon,
+                       (*sums)[channel]);
+    if (channel == 3) return;
+    size_t at = hdr_error_worst(value[TEST], value[REFERENCE], count, &largest->error);
+    if (at < count)
+        *largest = (worst){largest->error, value[TEST][at], value[REFERENCE][at], x + (int)at, row, channel};
+}
+
 static hdr_status compare_band(void *context, int band, int thread, hdr_error *err) {
     comparing *c = context;
-    reader *r = &c->readers[thread];
+    hdr_reader *r = c->readers[thread];
     int first = band * c->band_rows, end = first + c->band_rows < c->height ? first + c->band_rows : c->height;
     c->worsts[band].channel = -1;
     for (int row = first; row < end; row++) {
-        hdr_status status = read_row(c, r, TEST, row, err);
-        if (status == HDR_OK) status = read_row(c, r, REFERENCE, row, err);
+        hdr_status status = hdr_reader_seek(&r[TEST], row, err);
+        if (status == HDR_OK) status = hdr_reader_seek(&r[REFERENCE], row, err);
         if (status != HDR_OK) return status;
         for (int channel = 0; channel < 4; channel++)
-            for (int x = 0; x < c->width && has_channel(c, channel); x += TILE)
-                compare_tile(c, r, channel, row, x, (size_t)(c->width - x < TILE ? c->width - x : TILE),
-                             channel < 3 ? &c->worsts[band] : &(worst){0});
+            for (int x = 0; x < c->width && has_channel(c, channel); x += HDR_STRIP)
+                compare_strip(c, r, channel, row, x, &c->worsts[band]);
     }
     return HDR_OK;
 }
@@ -182,8 +169,7 @@ static hdr_status lay_out(comparing *c, int threads, hdr_error *err) {
     if (!c->sums || !c->worsts || !c->readers) return hdr_fail(err, HDR_INTERNAL, "out of memory");
     for (int t = 0; t < c->threads; t++)
         for (int which = TEST; which <= REFERENCE; which++) {
-            c->readers[t].current[which] = -1;
-            hdr_status status = c->source[which]->worker_new(c->source[which], &c->readers[t].worker[which], err);
+            hdr_status status = hdr_reader_open(&c->readers[t][which], c->source[which], 0, 0, err);
             if (status != HDR_OK) return status;
         }
     return HDR_OK;
@@ -192,8 +178,7 @@ static hdr_status lay_out(comparing *c, int threads, hdr_error *err) {
 static void close_all(comparing *c) {
     for (int t = 0; c->readers && t < c->threads; t++)
         for (int which = TEST; which <= REFERENCE; which++)
-            if (c->readers[t].worker[which])
-                c->source[which]->worker_free(c->source[which], c->readers[t].worker[which]);
+            hdr_reader_close(&c->readers[t][which]);
     hdr_close_alike(2, c->source);
     free(c->sums);
     free(c->worsts);

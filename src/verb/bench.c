@@ -1,8 +1,6 @@
 /* A program: run time against error. cmd/bench.c runs it. */
 #include "verb/verb.h"
 
-#include <string.h>
-
 typedef struct bench_params {
     hdr_number repetitions, samples, limit;
     bool csv;
@@ -50,12 +48,8 @@ static const hdr_option options[] = {
 
 static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
     const bench_params *p = params;
-    const char *ending = NULL;
     (void)given;
-    for (const char *c = p->plot; c && *c; c++)
-        if (*c == '.' && c > p->plot && c[-1] != '/') ending = c;
-    bool svg = ending && !strcmp(ending, ".svg");
-    return !p->plot || svg ? HDR_OK : hdr_refuse_text(options, "plot", p->plot, "does not end in .svg", err);
+    return hdr_check_svg(options, "plot", p->plot, err);
 }
 
 static const char *const examples[] = {"hdr bench durand IN.exr",

@@ -60,3 +60,11 @@ hdr_status hdr_refuse_text(const hdr_option *table, const char *name, const char
     hdr_option_describe(hdr_option_find(table, name), line, sizeof line);
     return hdr_fail(err, HDR_USAGE, "--%s: '%.100s' %s\n%s", name, text, why, line);
 }
+
+hdr_status hdr_check_svg(const hdr_option *table, const char *name, const char *file, hdr_error *err) {
+    const char *ending = NULL;
+    for (const char *c = file; c && *c; c++)
+        if (*c == '.' && c > file && c[-1] != '/') ending = c;
+    bool svg = ending && !strcmp(ending, ".svg");
+    return !file || svg ? HDR_OK : hdr_refuse_text(table, name, file, "does not end in .svg", err);
+}

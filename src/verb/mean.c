@@ -30,9 +30,9 @@ static const hdr_option options[] = {
     {.name = "weights",
      .type = HDR_OPTION_TEXT,
      .offset = offsetof(mean_params, weights),
-     .metavar = "W,W,...",
+     .metavar = "WEIGHTS",
      .default_value = "equal",
-     .help = "a number above 0 for each file, such as its samples per pixel; equal: all count alike"},
+     .help = "W,W,...: a number above 0 for each file; from:ATTRIBUTE: that of its header; equal: all count alike"},
     {.name = "robust",
      .type = HDR_OPTION_CHOICE,
      .offset = offsetof(mean_params, robust),
@@ -58,33 +58,38 @@ static bool take_weight(const char **text, double *weight) {
     memcpy(digits, *text, length);
     digits[length] = '\0';
     const char *end = hdr_read_number(digits, weight);
-    if (!end || *end || !(*weight > 0 && *weight <= 1e30)) return false;
+    if (!end || *end || !(*weight > 0 && *weight <= HDR_MOST_WEIGHT)) return false;
     *text += length;
     return true;
 }
 
-/* How many weights a text has; -1: it is none. */
-static int count_weights(const char *text, double *weights) {
+/* How many weights a text has, of which the first `room` are kept; -1: it is no list of them. */
+static int read_weights(const char *text, double *weights, int room) {
     for (int count = 1;; count++, text++) {
         double weight;
         if (!take_weight(&text, &weight)) return -1;
-        if (weights) weights[count - 1] = weight;
+        if (count <= room) weights[count - 1] = weight;
         if (!*text) return count;
     }
 }
 
-static bool is_weighted(const mean_params *p) {
-    return strcmp(p->weights, "equal") != 0;
+/* The attribute that tells the weights, or NULL. */
+static const char *attribute_of(const mean_params *p) {
+    static const char from[] = "from:";
+    return strncmp(p->weights, from, strlen(from)) == 0 ? p->weights + strlen(from) : NULL;
 }
 
 static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
     const mean_params *p = params;
+    const char *attribute = attribute_of(p);
+    bool equal = strcmp(p->weights, "equal") == 0;
     for (int i = 0; i < given->count; i++)
         if (!strcmp(given->given[i].option->name, "groups") && p->robust == ROBUST_NONE)
             return hdr_fail(err, HDR_USAGE, "--groups has no meaning without --robust median-of-means");
-    if (is_weighted(p) && count_weights(p->weights, NULL) < 0)
-        return hdr_refuse_text(options, "weights", p->weights, "is no list of numbers above 0", err);
-    if (is_weighted(p) && (p->robust != ROBUST_NONE || p->show != SHOW_MEAN))
+    if (attribute ? !*attribute : !equal && read_weights(p->weights, NULL, 0) < 0)
+        return hdr_refuse_text(options, "weights", p->weights,
+                               attribute ? "names no attribute" : "is no list of numbers above 0", err);
+    if (!equal && (p->robust != ROBUST_NONE || p->show != SHOW_MEAN))
         return hdr_fail(err, HDR_USAGE, "--weights are for the plain mean alone");
     if (p->robust != ROBUST_NONE && p->show != SHOW_MEAN)
         return hdr_fail(err, HDR_USAGE, "--robust has a mean only, no %s", shows[p->show]);
@@ -92,62 +97,49 @@ static hdr_status check(const void *params, const hdr_options *given, hdr_error 
 }
 
 /* ---- Moments ----
- * state: how many numbers there were, their mean m, and the sum M2 of (x - m)^2. Welford, Note on a Method for
- * Calculating Corrected Sums of Squares and Products, Technometrics 4(3), 1962: with d = x - m,
- *     n := n + 1    m := m + d / n    M2 := M2 + d (x - m)
+ * state: how many numbers there were, or the sum W of their weights, and their mean m; with a variance the sum M2 of
+ * (x - m)^2, too. Welford, Note on a Method for Calculating Corrected Sums of Squares and Products, Technometrics 4(3),
+ * 1962, and for numbers that count w times West, Updating Mean and Variance Estimates, Communications of the ACM 22(9),
+ * 1979: with d = x - m,
+ *     W := W + w    m := m + d w / W    M2 := M2 + d (x - m)    (M2: w is 1)
  * whose error does not grow with the mean, as that of the sum of squares does. */
-enum { COUNT, MEAN, SQUARES, MOMENTS };
+enum { WEIGHT, MEAN, SQUARES, MEAN_SLOTS = 2, MOMENT_SLOTS };
 
-HDR_INLINE void add_moments_body(const double *values, double *state, size_t count) {
-    double *n = state + COUNT * HDR_STRIP, *mean = state + MEAN * HDR_STRIP, *squares = state + SQUARES * HDR_STRIP;
+/* squares: NULL where no variance is wanted. */
+HDR_INLINE void add_body(const double *values, double weight, double *sum, double *mean, double *squares,
+                         size_t count) {
     for (size_t i = 0; i < count; i++) {
         bool finite = values[i] - values[i] == 0;
         double difference = finite ? values[i] - mean[i] : 0;
-        double more = finite ? n[i] + 1 : n[i];
-        double next = mean[i] + difference / (more > 1 ? more : 1);
-        squares[i] += difference * (finite ? values[i] - next : 0);
+        double more = finite ? sum[i] + weight : sum[i];
+        double next = mean[i] + difference * weight / (more > 0 ? more : 1);
+        if (squares) squares[i] += difference * (finite ? values[i] - next : 0);
         mean[i] = next;
-        n[i] = more;
+        sum[i] = more;
     }
 }
-HDR_VERSIONS_IN(static, add_moments, (const double *values, double *state, size_t count), (values, state, count))
 
-static void add(const hdr_joining *joining, int picture, const double *values, double *state, size_t count) {
-    (void)joining, (void)picture;
-    add_moments(values, state, count);
+HDR_INLINE void add_to_mean_body(const double *values, double weight, double *state, size_t count) {
+    add_body(values, weight, state + WEIGHT * HDR_STRIP, state + MEAN * HDR_STRIP, NULL, count);
 }
-
-/* The same of a number that counts `weight` times: West, Updating Mean and Variance Estimates, Communications of the
- * ACM 22(9), 1979. state: their weights so far, and the mean. */
-HDR_INLINE void add_weighted_body(const double *values, double weight, double *state, size_t count) {
-    double *n = state + COUNT * HDR_STRIP, *mean = state + MEAN * HDR_STRIP;
-    for (size_t i = 0; i < count; i++) {
-        bool finite = values[i] - values[i] == 0;
-        double more = finite ? n[i] + weight : n[i];
-        mean[i] += finite ? (values[i] - mean[i]) * (weight / more) : 0;
-        n[i] = more;
-    }
-}
-HDR_VERSIONS_IN(static, add_weighted, (const double *values, double weight, double *state, size_t count),
+HDR_VERSIONS_IN(static, add_to_mean, (const double *values, double weight, double *state, size_t count),
                 (values, weight, state, count))
 
-static void add_by_weight(const hdr_joining *joining, int picture, const double *values, double *state, size_t count) {
-    add_weighted(values, joining->weights[picture], state, count);
+HDR_INLINE void add_to_moments_body(const double *values, double *state, size_t count) {
+    add_body(values, 1, state + WEIGHT * HDR_STRIP, state + MEAN * HDR_STRIP, state + SQUARES * HDR_STRIP, count);
 }
+HDR_VERSIONS_IN(static, add_to_moments, (const double *values, double *state, size_t count), (values, state, count))
 
-static void end_weighted(const hdr_joining *joining, const double *state, double *out, size_t count) {
-    (void)joining;
-    for (size_t i = 0; i < count; i++)
-        out[i] = state[COUNT * HDR_STRIP + i] > 0 ? state[MEAN * HDR_STRIP + i] : NAN;
+static void add_moments(const hdr_joining *joining, int picture, const double *values, double *state, size_t count) {
+    (void)joining, (void)picture;
+    add_to_moments(values, state, count);
 }
 
 /* Of what a number is made that no render has: NaN, which reading repairs and counts. */
-static double show_moments(int show, double n, double mean, double squares) {
+static double show_moments(int show, double n, double squares) {
     if (n < 1) return NAN;
     double variance = n > 1 ? squares / (n - 1) : NAN;
     switch (show) {
-    case SHOW_VARIANCE:
-        return variance;
     case SHOW_DEVIATION:
         return sqrt(variance);
     case SHOW_MEAN_VARIANCE:
@@ -155,36 +147,28 @@ static double show_moments(int show, double n, double mean, double squares) {
     case SHOW_MEAN_DEVIATION:
         return sqrt(variance / n);
     default:
-        return mean;
+        return variance;
     }
 }
 
-static void end(const hdr_joining *joining, const double *state, double *out, size_t count) {
+static void end_moments(const hdr_joining *joining, const double *state, double *out, size_t count) {
     const mean_params *p = joining->params;
     for (size_t i = 0; i < count; i++)
-        out[i] = show_moments(p->show, state[COUNT * HDR_STRIP + i], state[MEAN * HDR_STRIP + i],
-                              state[SQUARES * HDR_STRIP + i]);
+        out[i] = show_moments(p->show, state[WEIGHT * HDR_STRIP + i], state[SQUARES * HDR_STRIP + i]);
 }
 
-/* ---- Median of means ----
- * state: number and mean of each group. Jerrum, Valiant and Vazirani, Theoretical Computer Science 43, 1986; for
- * renders Jung, Meyer and DeCoro, Robust Estimation of the Mean, 2015. */
-enum { GROUP_MOMENTS = 2 };
+/* ---- Means, and their median ----
+ * state: weight and mean of each group; the plain mean is that of one group. Jerrum, Valiant and Vazirani, Theoretical
+ * Computer Science 43, 1986; for renders Jung, Meyer and DeCoro, Robust Estimation of the Mean, 2015. */
 
-HDR_INLINE void add_to_group_body(const double *values, double *n, double *mean, size_t count) {
-    for (size_t i = 0; i < count; i++) {
-        bool finite = values[i] - values[i] == 0;
-        double more = finite ? n[i] + 1 : n[i];
-        mean[i] += (finite ? values[i] - mean[i] : 0) / (more > 1 ? more : 1);
-        n[i] = more;
-    }
+static int groups_of(const hdr_joining *joining) {
+    return joining->slots / MEAN_SLOTS;
 }
-HDR_VERSIONS_IN(static, add_to_group, (const double *values, double *n, double *mean, size_t count),
-                (values, n, mean, count))
 
-static void add_grouped(const hdr_joining *joining, int picture, const double *values, double *state, size_t count) {
-    double *n = state + (size_t)(picture % (joining->slots / GROUP_MOMENTS)) * GROUP_MOMENTS * HDR_STRIP;
-    add_to_group(values, n, n + HDR_STRIP, count);
+static void add_to_group(const hdr_joining *joining, int picture, const double *values, double *state, size_t count) {
+    size_t group = (size_t)(picture % groups_of(joining));
+    add_to_mean(values, joining->weights ? joining->weights[picture] : 1, state + group * MEAN_SLOTS * HDR_STRIP,
+                count);
 }
 
 /* Of at most MOST_GROUPS numbers, which are put in order; of an even number the mean of the two in the middle. */
@@ -199,13 +183,13 @@ static double median(double *value, int count) {
     return count % 2 ? value[count / 2] : (value[count / 2 - 1] + value[count / 2]) / 2;
 }
 
-static void end_grouped(const hdr_joining *joining, const double *state, double *out, size_t count) {
+static void end_groups(const hdr_joining *joining, const double *state, double *out, size_t count) {
     for (size_t i = 0; i < count; i++) {
         double means[MOST_GROUPS];
         int groups = 0;
-        for (int g = 0; g < joining->slots / GROUP_MOMENTS; g++) {
-            const double *n = state + (size_t)g * GROUP_MOMENTS * HDR_STRIP;
-            if (n[i] > 0) means[groups++] = n[HDR_STRIP + i];
+        for (int g = 0; g < groups_of(joining); g++) {
+            const double *group = state + (size_t)(g * MEAN_SLOTS) * HDR_STRIP;
+            if (group[WEIGHT * HDR_STRIP + i] > 0) means[groups++] = group[MEAN * HDR_STRIP + i];
         }
         out[i] = median(means, groups);
     }
@@ -213,29 +197,28 @@ static void end_grouped(const hdr_joining *joining, const double *state, double 
 
 /* ---- The verb ---- */
 
+/* One for each file. */
+static hdr_status take_weights(const char *text, hdr_joining *joining, hdr_error *err) {
+    joining->weights = hdr_alloc((size_t)joining->pictures, sizeof *joining->weights);
+    if (!joining->weights) return hdr_fail(err, HDR_INTERNAL, "out of memory");
+    int count = read_weights(text, joining->weights, joining->pictures);
+    if (count == joining->pictures) return HDR_OK;
+    return hdr_fail(err, HDR_USAGE, "--weights has %d numbers, and there are %d files", count, joining->pictures);
+}
+
 static hdr_status join(const void *params, hdr_joining *joining, hdr_error *err) {
     const mean_params *p = params;
-    bool grouped = p->robust == ROBUST_MEDIAN_OF_MEANS;
+    bool plain = p->show == SHOW_MEAN;
     int groups = (int)p->groups.value < joining->pictures ? (int)p->groups.value : joining->pictures;
-    if (p->show != SHOW_MEAN && joining->pictures < 2)
+    if (!plain && joining->pictures < 2)
         return hdr_fail(err, HDR_USAGE, "one render has no %s: name several", shows[p->show]);
-    joining->alpha = p->show == SHOW_MEAN; /* how it scatters is no cover */
-    if (is_weighted(p)) {
-        if (count_weights(p->weights, NULL) != joining->pictures)
-            return hdr_fail(err, HDR_USAGE, "--weights has %d numbers, and there are %d files",
-                            count_weights(p->weights, NULL), joining->pictures);
-        joining->weights = hdr_alloc((size_t)joining->pictures, sizeof *joining->weights);
-        if (!joining->weights) return hdr_fail(err, HDR_INTERNAL, "out of memory");
-        count_weights(p->weights, joining->weights);
-        joining->slots = MOMENTS;
-        joining->add = add_by_weight;
-        joining->end = end_weighted;
-        return HDR_OK;
-    }
-    joining->slots = grouped ? groups * GROUP_MOMENTS : MOMENTS;
-    joining->add = grouped ? add_grouped : add;
-    joining->end = grouped ? end_grouped : end;
-    return HDR_OK;
+    joining->alpha = plain; /* how it scatters is no cover */
+    joining->slots = !plain ? MOMENT_SLOTS : p->robust == ROBUST_NONE ? MEAN_SLOTS : groups * MEAN_SLOTS;
+    joining->add = plain ? add_to_group : add_moments;
+    joining->end = plain ? end_groups : end_moments;
+    joining->weights_from = attribute_of(p);
+    bool listed = !joining->weights_from && strcmp(p->weights, "equal") != 0;
+    return listed ? take_weights(p->weights, joining, err) : HDR_OK;
 }
 
 static const char *const examples[] = {"hdr mean -o OUT.exr IN.exr IN.exr",
@@ -259,7 +242,11 @@ const hdr_verb hdr_verb_mean = {
              "their number, nor with their size but for the chunks that they are stored in: large tiles take more.\n\n"
              "--weights 16,64,64 is for renders of different length: each component is the sum of weight times "
              "number, divided by "
-             "the weights' sum.\n\n"
+             "the weights' sum. --weights from:samplesPerPixel takes them from that attribute of each file's header, "
+             "an "
+             "int, a float, a double or a text. Several renderers write their number of samples there (pbrt under this "
+             "name, Blender as cycles.ViewLayer.samples); 'hdr info' lists what a file has. Each must have it. In the "
+             "header of the mean it becomes the sum, so that means can be averaged again.\n\n"
              "--show variance is that of one render, M2 / (n - 1), and deviation its root, the standard "
              "deviation; mean-variance and mean-deviation are those of the mean of all n: variance / n, and its "
              "root. They need two renders (a component that only one has becomes 0), have no alpha, and hold no matter "

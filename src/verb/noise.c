@@ -5,7 +5,7 @@
 
 typedef struct noise_params {
     hdr_number epsilon, target;
-    const char *sampling_map;
+    const char *sampling_map, *plot;
 } noise_params;
 
 static const char *const none[] = {"none", NULL};
@@ -35,6 +35,11 @@ static const hdr_option options[] = {
      .offset = offsetof(noise_params, sampling_map),
      .metavar = "OUT",
      .help = "write each pixel's share of further samples there, as a picture whose mean is 1"},
+    {.name = "plot",
+     .type = HDR_OPTION_TEXT,
+     .offset = offsetof(noise_params, plot),
+     .metavar = "FILE.svg",
+     .help = "draw the noise of the means of 1, 2, 4, ... renders there"},
     {0}};
 
 static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
@@ -42,11 +47,12 @@ static hdr_status check(const void *params, const hdr_options *given, hdr_error 
     (void)given;
     if (p->sampling_map && (!*p->sampling_map || !strcmp(p->sampling_map, "-")))
         return hdr_refuse_text(options, "sampling-map", p->sampling_map, "names no file", err);
-    return HDR_OK;
+    return hdr_check_svg(options, "plot", p->plot, err);
 }
 
 static const char *const examples[] = {"hdr noise IN.exr IN.exr IN.exr",
-                                       "hdr noise --target 0.01 --sampling-map OUT.exr IN.exr IN.exr IN.exr", NULL};
+                                       "hdr noise --target 0.01 --sampling-map OUT.exr IN.exr IN.exr IN.exr",
+                                       "hdr noise --plot OUT.svg IN.exr IN.exr IN.exr IN.exr", NULL};
 
 const hdr_verb hdr_verb_noise = {
     .about =
@@ -66,13 +72,17 @@ const hdr_verb hdr_verb_noise = {
              "The table tells the same of the means of 2, 4, 8, ... renders that follow each other, and what "
              "independent ones would give, rmv / sqrt(2), and so on. If the noise falls more slowly, renders that "
              "follow each other are not independent. What all renders share does not show in any of these figures: a "
-             "bias, or one noise in all.\n\n"
+             "bias, or one noise in all. --plot draws the table, with its standard errors, on logarithmic axes: the "
+             "means of "
+             "independent renders lie along the line.\n\n"
              "--target tells from rmv how many renders of that kind have a mean with that RMSE. --sampling-map "
              "writes a picture of one channel: how much more often than the average a pixel should be sampled, in "
              "proportion to its standard deviation, which gives the mean its least variance (Neyman 1934).\n\n"
              "Components that are NaN or infinite in one render are left out of all, and counted; with --strict that "
              "is an error. The map begins at 0,0, wherever the data window does, and gives no samples to a pixel whose "
-             "components are all left out.",
+             "components are all left out.\n\n"
+             "Rows of all renders are held together, as they are stored, a chunk's height at a time; of tiles, some "
+             "columns. What does not fit --memory is decoded more than once.",
          .examples = examples,
          .options = options,
          .kind = HDR_PROGRAM},

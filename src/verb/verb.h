@@ -248,6 +248,9 @@ const hdr_verb *hdr_verb_of_file(const char *file_name, const char **ending);
 hdr_status hdr_refuse_text(const hdr_option *table, const char *name, const char *text, const char *why,
                            hdr_error *err);
 
+/* The same where a file that is to be drawn is not called NAME.svg. NULL: none is. */
+hdr_status hdr_check_svg(const hdr_option *table, const char *name, const char *file, hdr_error *err);
+
 /* ---- What luminance verbs share ---- */
 
 typedef struct hdr_luminance_params {

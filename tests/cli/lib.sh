@@ -133,3 +133,14 @@ finish() {
     printf '\n'
     [ "$failed" -eq 0 ]
 }
+
+# well_formed FILE: as XML.
+well_formed() {
+    if command -v xmllint >/dev/null; then
+        xmllint --noout "$1" 2>"$work/xml" && return
+        return 1
+    fi
+    head -n 1 "$1" | grep -q '^<?xml version="1.0" encoding="UTF-8"?>$' &&
+        [ "$(grep -o '<[a-z]' "$1" | wc -l)" -eq "$(grep -oE '</[a-z]|/>' "$1" | wc -l)" ] &&
+        ! sed 's/&#[0-9]*;//g' "$1" | grep -q '&' && [ "$(tail -n 1 "$1")" = '</svg>' ]
+}

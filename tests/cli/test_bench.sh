@@ -146,17 +146,6 @@ check 'an odd name: no control characters' test -z "$(cat "$work/stdout" "$work/
 
 # ---- The plot ----------------------------------------------------------------------------------------------------
 
-# well_formed FILE: as XML.
-well_formed() {
-    if command -v xmllint >/dev/null; then
-        xmllint --noout "$1" 2>"$work/xml" && return
-        return 1
-    fi
-    head -n 1 "$1" | grep -q '^<?xml version="1.0" encoding="UTF-8"?>$' &&
-        [ "$(grep -o '<[a-z]' "$1" | wc -l)" -eq "$(grep -oE '</[a-z]|/>' "$1" | wc -l)" ] &&
-        ! sed 's/&#[0-9]*;//g' "$1" | grep -q '&' && [ "$(tail -n 1 "$1")" = '</svg>' ]
-}
-
 # shellcheck disable=SC2086
 expect_status 0 'plot' "$hdr" bench --csv --repetitions 1 --plot "$work/a.svg" durand $small "$work/$odd"
 check 'plot: the numbers are printed all the same' test "$(wc -l <"$work/stdout")" -eq "$(wc -l <"$work/durand.csv")"

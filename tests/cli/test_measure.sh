@@ -43,6 +43,39 @@ for words in '' '--crop 10,20,100,77' '--crop 390,290,50,50' '--window data' --r
     "$hdr" exr $words -o "$work/self.exr" testdata/interior.exr && "$hdr" pfm -o "$work/self.pfm" "$work/self.exr"
     check "mean of what is stored otherwise, $words" cmp -s "$work/all.pfm" "$work/self.pfm"
 done
+# tiles, of which some columns are joined at a time, across more than there are: alike, and of several sizes
+wide() { # SEED
+    "$BUILD/testdata/render" interior --width 2600 --height 30 --samples 1 --seed "$1" --type half --compression zip \
+        --threads 1 -o "$work/wide$1.exr"
+}
+tiled() { # SEED NAME WIDTH HEIGHT COMPRESSION
+    exrmaketiled -t "$3" "$4" -z "$5" "$work/wide$1.exr" "$work/tiled$1$2.exr"
+}
+for seed in 1 2 3; do
+    wide "$seed"
+done
+"$hdr" mean : pfm -o "$work/wide.pfm" "$work/wide1.exr" "$work/wide2.exr" "$work/wide3.exr"
+"$hdr" diff : pfm -o "$work/wide_diff.pfm" "$work/wide1.exr" "$work/wide2.exr"
+if command -v exrmaketiled >/dev/null; then
+    for seed in 1 2 3; do
+        tiled "$seed" small 48 8 zip && tiled "$seed" large 700 1000 piz
+    done
+    for size in small large; do
+        "$hdr" mean : pfm -o "$work/all.pfm" "$work/tiled1$size.exr" "$work/tiled2$size.exr" "$work/tiled3$size.exr"
+        check "mean of $size tiles" cmp -s "$work/wide.pfm" "$work/all.pfm"
+        "$hdr" diff : pfm -o "$work/all.pfm" "$work/tiled1$size.exr" "$work/tiled2$size.exr"
+        check "diff of $size tiles" cmp -s "$work/wide_diff.pfm" "$work/all.pfm"
+    done
+    for words in '' '--crop 1000,3,900,20' '--crop 40,8,2000,8'; do
+        # shellcheck disable=SC2086 # words, or none
+        "$hdr" mean $words : pfm -o "$work/wide.pfm" "$work/wide1.exr" "$work/wide2.exr" "$work/wide3.exr"
+        # shellcheck disable=SC2086 # words, or none
+        "$hdr" mean $words : pfm -o "$work/all.pfm" "$work/tiled1small.exr" "$work/tiled2large.exr" "$work/wide3.exr"
+        check "mean of tiles of several sizes and lines, $words" cmp -s "$work/wide.pfm" "$work/all.pfm"
+    done
+else
+    skip 'there is no exrmaketiled'
+fi
 # a chain behind it, in one process and through a pipe
 expect_status 0 'mean then' "$hdr" mean : reinhard : pfm -o "$work/chain.pfm" "$work/half.exr" "$work/twice.exr"
 "$hdr" mean "$work/half.exr" "$work/twice.exr" | "$hdr" reinhard | "$hdr" pfm >"$work/pipe.pfm"
@@ -60,9 +93,33 @@ check 'weights' awk -v e="$(figure smape "$work/json")" 'BEGIN { exit !(e != "" 
 "$hdr" mean --weights 2,2,2 -o "$work/weighted.exr" "$work/half.exr" "$work/twice.exr" "$room"
 "$hdr" error --json --against "$work/mean.exr" "$work/weighted.exr" >"$work/json"
 check 'equal weights' awk -v e="$(figure smape "$work/json")" 'BEGIN { exit !(e != "" && e < 1e-7) }'
-for weights in '' 1 1,2,3 '1,,' 1,0 1,-2 a,b '1,2,'; do
+for weights in '' 1 1,2,3 '1,,' 1,0 1,-2 a,b '1,2,' from: From:x; do
     expect_status 64 "--weights '$weights'" "$hdr" mean --weights "$weights" -o "$work/x.exr" "$room" "$room"
 done
+# weights from the header, as tests/unit/test_exr_attributes.c has them in all types
+expect_status 65 'no such attribute' "$hdr" mean --weights from:samplesPerPixel -o "$work/x.exr" "$work/half.exr" "$work/twice.exr"
+check 'no such attribute: which file' stderr_has 'half.exr: its header has no attribute'
+expect_status 65 'a file without attributes' "$hdr" mean --weights from:samplesPerPixel -o "$work/x.exr" "$work/wide.pfm" "$work/wide.pfm"
+check 'no weights: nothing is written' absent "$work/x.exr"
+if command -v exrstdattr >/dev/null; then
+    exrstdattr -int samplesPerPixel 1 "$work/half.exr" "$work/counted1.exr"
+    exrstdattr -string samplesPerPixel 3 "$work/twice.exr" "$work/counted3.exr"
+    "$hdr" mean --weights 1,3 : pfm -o "$work/weighted.pfm" "$work/half.exr" "$work/twice.exr"
+    "$hdr" mean --weights from:samplesPerPixel -o "$work/counted4.exr" "$work/counted1.exr" "$work/counted3.exr"
+    "$hdr" pfm -o "$work/counted.pfm" "$work/counted4.exr"
+    check 'weights from the header' cmp -s "$work/weighted.pfm" "$work/counted.pfm"
+    "$hdr" info "$work/counted4.exr" >"$work/info"
+    check 'the mean has as many samples as all' grep -q 'samplesPerPixel (int) 4$' "$work/info"
+    "$hdr" mean --weights 4,3 : pfm -o "$work/weighted.pfm" "$work/counted4.exr" "$work/twice.exr"
+    "$hdr" mean --weights from:samplesPerPixel : pfm -o "$work/counted.pfm" "$work/counted4.exr" "$work/counted3.exr"
+    check 'a mean that is averaged again' cmp -s "$work/weighted.pfm" "$work/counted.pfm"
+    "$hdr" mean --weights from:samplesPerPixel "$work/counted1.exr" "$work/counted3.exr" | "$hdr" pfm >"$work/piped.pfm"
+    "$hdr" pfm -o "$work/counted.pfm" "$work/counted4.exr"
+    check 'weights from the header, through a pipe' cmp -s "$work/piped.pfm" "$work/counted.pfm"
+else
+    skip 'there is no exrstdattr'
+fi
+expect_status 64 'weights from the header and a median' "$hdr" mean --weights from:x --robust median-of-means -o "$work/x.exr" "$room" "$room"
 expect_status 64 'weights and a variance' "$hdr" mean --weights 1,2 --show variance -o "$work/x.exr" "$room" "$room"
 # two numbers a and b: the variance is (a - b)^2 / 2
 "$hdr" mean --show variance : stats --json "$work/half.exr" "$work/twice.exr" >"$work/variance"

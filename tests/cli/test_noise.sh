@@ -77,6 +77,44 @@ cp "$work/stdout" "$work/one"
 # shellcheck disable=SC2046 # words
 expect_status 0 'threads' "$hdr" noise --json -j3 $(renders 1 20)
 check 'threads change nothing' cmp -s "$work/one" "$work/stdout"
+for cpu in c avx2; do
+    # shellcheck disable=SC2046 # words
+    HDR_CPU=$cpu "$hdr" noise --json $(renders 1 20) >"$work/stdout"
+    check "HDR_CPU=$cpu changes nothing" cmp -s "$work/one" "$work/stdout"
+done
+# wide ones: tiles, of which some columns are held at a time; and less memory than a band of all would take
+for seed in 1 2 3; do
+    "$BUILD/testdata/render" interior --width 2600 --height 70 --samples 1 --seed "$seed" --type half --compression zip \
+        --threads 1 -o "$work/wide$seed.exr"
+done
+wide='' tiled=''
+i=0
+while [ "$i" -lt 24 ]; do # of which three differ: as long as they are many, that is all the same
+    wide="$wide $work/wide$((i % 3 + 1)).exr" tiled="$tiled $work/tiled$((i % 3 + 1)).exr"
+    i=$((i + 1))
+done
+# shellcheck disable=SC2086 # words
+expect_status 0 'wide' "$hdr" noise --json $wide
+cp "$work/stdout" "$work/one"
+rmv=$(number rmv) relative=$(number relative)
+# shellcheck disable=SC2086 # words
+expect_status 0 'little memory' "$hdr" noise --json --memory 1M $wide
+check 'little memory changes nothing' cmp -s "$work/one" "$work/stdout"
+if command -v exrmaketiled >/dev/null; then
+    for seed in 1 2 3; do
+        exrmaketiled -t 300 50 -z zip "$work/wide$seed.exr" "$work/tiled$seed.exr"
+    done
+    # shellcheck disable=SC2086 # words
+    expect_status 0 'tiles' "$hdr" noise --json $tiled
+    cp "$work/stdout" "$work/one"
+    check 'tiles: rmv' within "$(number rmv)" "$rmv" "$(awk -v v="$rmv" 'BEGIN { print v * 1e-12 }')"
+    check 'tiles: relative' within "$(number relative)" "$relative" "$(awk -v v="$relative" 'BEGIN { print v * 1e-12 }')"
+    # shellcheck disable=SC2086 # words
+    expect_status 0 'tiles, little memory' "$hdr" noise --json --memory 1M $tiled
+    check 'tiles, little memory: nothing changes' cmp -s "$work/one" "$work/stdout"
+else
+    skip 'there is no exrmaketiled'
+fi
 # shellcheck disable=SC2046 # words
 expect_status 0 'a target' "$hdr" noise --target 1 --json $(renders 1 20)
 check 'a target: (rmv / target)^2 renders' test "$(number renders_for_target)" = \
@@ -98,6 +136,62 @@ expect_status 65 'other sizes' "$hdr" noise "$work/1.exr" testdata/interior.exr
 expect_status 66 'a file is missing' "$hdr" noise "$work/1.exr" "$work/missing.exr"
 expect_status 73 'a map that cannot be' "$hdr" noise --sampling-map "$work/none/x.exr" "$work/1.exr" "$work/2.exr"
 expect_status 64 'a map on standard output' "$hdr" noise --sampling-map - "$work/1.exr" "$work/2.exr"
+# ---- The plot ----------------------------------------------------------------------------------------------------
+
+# read_plot FILE: what its marks, the ends of its bars and those of its line stand for, by the numbers at the axes alone:
+# "mark SIZE RMV", "end SIZE RMV", "line SIZE RMV". What lies below the frame explains the signs.
+read_plot() {
+    # shellcheck disable=SC2016 # awk's own
+    sed -n 's/^<text x="\([0-9.]*\)" y="488.0" text-anchor="middle">\([0-9.e+-]*\)<.*/x \1 \2/p
+            s/^<text x="82.0" y="\([0-9.]*\)" text-anchor="end">\([0-9.e+-]*\)<.*/y \1 \2/p
+            s/^<circle cx="\([0-9.]*\)" cy="\([0-9.]*\)" .*/mark \1 \2/p
+            s/^<line x1="\([0-9.]*\)" y1="[0-9.]*" x2="\1" y2="\([0-9.]*\)" stroke="#0072b2".*/end \1 \2/p
+            s/^<line x1="\([0-9.]*\)" y1="\([0-9.]*\)" x2="\([0-9.]*\)" y2="\([0-9.]*\)" stroke="#909090".*/line \1 \2\nline \3 \4/p' "$1" |
+        awk '
+            $1 == "x" { x[++xs] = $2; xv[xs] = log($3); next }
+            $1 == "y" { y[++ys] = $2 - 4.5; yv[ys] = log($3); next }
+            $3 < 470 { print $1, exp(xv[1] + ($2 - x[1]) * (xv[xs] - xv[1]) / (x[xs] - x[1])),
+                exp(yv[1] + ($3 - y[1]) * (yv[ys] - yv[1]) / (y[ys] - y[1])) }'
+}
+
+# Each line of $work/wanted stands among what was read, to a hundredth; and there are as many of them.
+as_wanted() {
+    [ "$(wc -l <"$work/wanted")" -eq "$(wc -l <"$work/read")" ] || return 1
+    # shellcheck disable=SC2016 # awk's own
+    awk 'NR == FNR { kind[++n] = $1; size[n] = $2; rmv[n] = $3; next }
+        { found = 0
+          for (i = 1; i <= n; i++)
+              if (kind[i] == $1 && (size[i] / $2 - 1) ^ 2 < 1e-4 && (rmv[i] / $3 - 1) ^ 2 < 1e-4) found = 1
+          if (!found) exit 1 }' "$work/read" "$work/wanted"
+}
+
+for count in 40 5 3 2; do
+    # shellcheck disable=SC2046 # words
+    expect_status 0 "a plot of $count" "$hdr" noise --json --plot "$work/plot.svg" $(renders 1 "$count")
+    # shellcheck disable=SC2046 # words
+    "$hdr" noise --json $(renders 1 "$count") >"$work/json"
+    check "a plot of $count: the same is printed" cmp -s "$work/json" "$work/stdout"
+    check "a plot of $count: XML" well_formed "$work/plot.svg"
+    read_plot "$work/plot.svg" >"$work/read"
+    # shellcheck disable=SC2016 # awk's own
+    sed 's/.*"convergence": \[//; s/}, /\n/g' "$work/json" | sed 's/[^0-9.e+ n-]//g; s/[a-df-z]//g' |
+        awk '{ size = rmv = error = ""
+               for (i = 1; i <= NF; i++) if ($i ~ /^[0-9]/) { if (size == "") size = $i; else if (rmv == "") rmv = $i; else error = $i }
+               if (NR == 1) { first = rmv; print "line 1", rmv }
+               print "mark", size, rmv
+               if (error != "") { print "end", size, rmv + error; print "end", size, rmv - error < rmv / 10 ? rmv / 10 : rmv - error }
+               last = size }
+             END { print "line", last, first / sqrt(last) }' >"$work/wanted"
+    check "a plot of $count: its marks are the numbers" as_wanted
+done
+expect_status 0 'a plot of no noise' "$hdr" noise --plot "$work/plot.svg" "$work/1.exr" "$work/1.exr"
+check 'a plot of no noise: XML' well_formed "$work/plot.svg"
+check 'a plot of no noise: no mark' test -z "$(read_plot "$work/plot.svg")"
+check 'a plot of no noise: it says so' grep -q 'figures of 0' "$work/plot.svg"
+expect_status 64 'a plot that is no SVG' "$hdr" noise --plot "$work/x.png" "$work/1.exr" "$work/2.exr"
+expect_status 73 'a plot that cannot be' "$hdr" noise --plot "$work/none/x.svg" "$work/1.exr" "$work/2.exr"
+expect_status 65 'a plot of other sizes' "$hdr" noise --plot "$work/x.svg" "$work/1.exr" testdata/interior.exr
+check 'a plot of other sizes: nothing is written' absent "$work/x.svg"
 # the same render twice has no noise
 expect_status 0 'one render twice' "$hdr" noise --json "$work/1.exr" "$work/1.exr"
 check 'one render twice: no noise' test "$(number rmv)" = 0

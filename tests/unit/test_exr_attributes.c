@@ -351,6 +351,109 @@ static void test_converted(made *file) {
     free(head.data);
 }
 
+/* ---- Weights ---- */
+
+/* An attribute's value, and the number that it is. */
+typedef struct weight {
+    const char *type;
+    double number;
+    size_t size;
+    unsigned char value[16];
+} weight;
+
+/* A file of one pixel with that attribute; without it where the type is NULL. */
+static made weighted_file(float pixel, const weight *w) {
+    made file = {NULL, 0};
+    begin_file(&file);
+    if (w->type) put_attribute(&file, "samples", w->type, w->value, w->size);
+    put_screen(&file);
+    end_file(&file);
+    memcpy(file.data + file.size - sizeof pixel, &pixel, sizeof pixel);
+    return file;
+}
+
+/* The mean by those weights, or nothing, and the status that is expected. */
+static made weighted_mean(const weight *first, const weight *second, hdr_status expected, const char *what) {
+    hdr_error error = {0};
+    made file[2] = {weighted_file(0.25F, first), weighted_file(3, second)}, out = {NULL, 0};
+    hdr_input *member[2] = {hdr_input_memory(file[0].data, file[0].size, "first", &error),
+                            hdr_input_memory(file[1].data, file[1].size, "second", &error)};
+    hdr_input *input = hdr_input_join(2, member, &error);
+    hdr_output *output = hdr_output_memory(&error);
+    hdr_chain *chain = hdr_chain_new(&error);
+    const char *const words[] = {"mean", "--weights", "from:samples", ":", "exr", "--compression", "none"};
+    hdr_chain_parse(chain, sizeof words / sizeof *words, words, &error);
+    if (error.status == HDR_OK) hdr_chain_run(chain, input, output, NULL, &error);
+    CHECK(error.status == expected, "%s: status %d: %s", what, error.status, error.message);
+    if (expected != HDR_OK)
+        CHECK(strstr(error.message, "second") && strstr(error.message, "samples"), "%s: %s", what, error.message);
+    const void *bytes = error.status == HDR_OK ? hdr_output_bytes(output, &out.size) : NULL;
+    if (bytes) {
+        out.data = malloc(out.size);
+        if (!out.data) abort();
+        memcpy(out.data, bytes, out.size);
+    }
+    hdr_output_free(output);
+    hdr_input_free(input);
+    for (int i = 0; i < 2; i++) {
+        hdr_input_free(member[i]);
+        free(file[i].data);
+    }
+    hdr_chain_free(chain);
+    return out;
+}
+
+static void test_weights(void) {
+    static const struct {
+        const char *what;
+        weight first, second, sum;
+    } good[] = {
+        {"int", {"int", 16, 4, {16}}, {"int", 48, 4, {48}}, {"int", 64, 4, {64}}},
+        {"large int",
+         {"int", 2147483647, 4, {0xff, 0xff, 0xff, 0x7f}},
+         {"int", 1, 4, {1}},
+         {"double", 2147483648, 8, {0, 0, 0, 0, 0, 0, 0xe0, 0x41}}},
+        {"float",
+         {"float", 16.5, 4, {0, 0, 0x84, 0x41}},
+         {"float", 0.25, 4, {0, 0, 0x80, 0x3e}},
+         {"float", 16.75, 4, {0, 0, 0x86, 0x41}}},
+        {"double",
+         {"double", 3, 8, {0, 0, 0, 0, 0, 0, 0x08, 0x40}},
+         {"double", 0.5, 8, {0, 0, 0, 0, 0, 0, 0xe0, 0x3f}},
+         {"double", 3.5, 8, {0, 0, 0, 0, 0, 0, 0x0c, 0x40}}},
+        {"string", {"string", 128, 3, "128"}, {"string", 64.5, 4, "64.5"}, {"string", 192.5, 5, "192.5"}},
+        {"string and int", {"string", 9, 1, "9"}, {"int", 1, 4, {1}}, {"string", 10, 2, "10"}},
+    };
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
+        double a = good[i].first.number, b = good[i].second.number, wanted = (a * 0.25 + b * 3) / (a + b);
+        float pixel = 0;
+        made mean = weighted_mean(&good[i].first, &good[i].second, HDR_OK, good[i].what);
+        if (!mean.data) continue;
+        memcpy(&pixel, mean.data + mean.size - sizeof pixel, sizeof pixel);
+        CHECK(pixel == (float)wanted, "%s: the mean is %.9g, should be %.9g", good[i].what, (double)pixel, wanted);
+        CHECK(has(&mean, "samples", good[i].sum.type, good[i].sum.value, good[i].sum.size), "%s: it has no sum",
+              good[i].what);
+        free(mean.data);
+    }
+    static const weight right = {"int", 16, 4, {16}};
+    static const struct {
+        const char *what;
+        weight wrong;
+    } bad[] = {
+        {"none", {NULL, 0, 0, {0}}},
+        {"zero", {"int", 0, 4, {0}}},
+        {"below zero", {"int", 0, 4, {0xff, 0xff, 0xff, 0xff}}},
+        {"NaN", {"float", 0, 4, {0, 0, 0xc0, 0x7f}}},
+        {"infinity", {"float", 0, 4, {0, 0, 0x80, 0x7f}}},
+        {"no number", {"string", 0, 4, "many"}},
+        {"more than a number", {"string", 0, 6, "16 spp"}},
+        {"no text", {"string", 0, 0, {0}}},
+        {"another type", {"v2i", 0, 8, {1}}},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        free(weighted_mean(&right, &bad[i].wrong, HDR_BAD_DATA, bad[i].what).data);
+}
+
 int main(void) {
     made file = {NULL, 0};
     test_every_type(&file);
@@ -360,6 +463,7 @@ int main(void) {
     test_large(&file);
     test_record(&file);
     test_converted(&file);
+    test_weights();
     free(file.data);
     return check_done("test_exr_attributes");
 }
