@@ -2,6 +2,8 @@
 
 #include "io/forms.h"
 #include "io/input.h"
+#include "io/reader.h"
+#include "kernel/strip.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -116,11 +118,34 @@ static void take_deviation(void *context, int channel, int row, size_t x, const 
     }
 }
 
+/* What is done with a strip of numbers of a channel. */
+typedef void (*taker)(void *context, int channel, int row, size_t x, const double *values, size_t count);
+
+/* Gives away all rows up to `end` of the first channels of a picture. The reader lives no longer than that: large
+ * chunks are held for one block alone. */
+static hdr_status read_rows(taking *t, hdr_source *from, int channels, int end, taker take, hdr_error *err) {
+    size_t width = width_of(t->source);
+    double values[HDR_STRIP];
+    hdr_reader reader;
+    hdr_status status = hdr_reader_open(&reader, from, 0, 0, err);
+    for (int row = t->first; row < end && status == HDR_OK; row++) {
+        status = hdr_reader_seek(&reader, row, err);
+        for (int c = 0; c < channels && status == HDR_OK; c++)
+            for (size_t x = 0; x < width && from->picture.present[c]; x += HDR_STRIP) {
+                size_t count = width - x < HDR_STRIP ? width - x : HDR_STRIP;
+                (void)hdr_block_load(&reader.block, c, row - reader.block.first_row, x, values, count);
+                take(t, c, row, x, values, count);
+            }
+    }
+    hdr_reader_close(&reader);
+    return status;
+}
+
+/* What is not finite in the picture itself is repaired and told as in any. */
 static hdr_status read_numbers(taking *t, int end, hdr_error *err) {
     const smooth_source *source = t->source;
-    uint64_t strange = 0; /* is repaired and told as in any picture */
-    hdr_status status = hdr_source_visit(source->picture, 4, t->first, end, take_colour, t, &strange, err);
-    if (status == HDR_OK) status = hdr_source_visit(source->guide, 3, t->first, end, take_deviation, t, &strange, err);
+    hdr_status status = read_rows(t, source->picture, 4, end, take_colour, err);
+    if (status == HDR_OK) status = read_rows(t, source->guide, 3, end, take_deviation, err);
     if (status != HDR_OK || t->negative == 0) return status;
     return hdr_fail(err, HDR_BAD_DATA,
                     "%s: it holds negative numbers, and no standard deviation is one: hdr mean --show mean-deviation "
