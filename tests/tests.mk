@@ -64,10 +64,18 @@ bench: all $(BUILD)/tests/bench/scales
 	BUILD=$(BUILD) sh tests/bench/ocio.sh $(FILE)
 	$(BUILD)/tests/bench/scales
 
-# Run time against error, drawn for verbs that compute something around a pixel and for curves: build/error-*.svg
+# Run time against error, drawn for verbs that compute something around a pixel and for curves: build/error-*.svg. What
+# smooth needs, renders with their deviation, is made first.
+NOISY := $(BUILD)/noisy-1.exr $(BUILD)/noisy-2.exr $(BUILD)/noisy-3.exr $(BUILD)/noisy-4.exr
+$(NOISY): $(BUILD)/noisy-%.exr: $(BUILD)/testdata/render
+	$(Q)$< interior --width 160 --height 120 --samples 8 --seed $* --type float --compression zip -o $@
+
 .PHONY: bench-error
-bench-error: all
+bench-error: all $(NOISY)
 	for f in interior glossy; do for v in durand 'reinhard --local' reinhard log srgb pq; do \
 	    $(PROGRAM) bench --plot "$(BUILD)/error-$$f-$$(echo $$v | tr -d ' ').svg" $$v testdata/$$f.exr || exit 1; done; done
+	$(PROGRAM) mean -o $(BUILD)/noisy.exr $(NOISY)
+	$(PROGRAM) mean --show mean-deviation -o $(BUILD)/noisy-deviation.exr $(NOISY)
+	$(PROGRAM) bench --plot $(BUILD)/error-noisy-smooth.svg smooth --sigma-picture $(BUILD)/noisy-deviation.exr $(BUILD)/noisy.exr
 
 include tests/oracle/oracle.mk
