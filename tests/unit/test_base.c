@@ -125,21 +125,22 @@ static const char *const dither_words[] = {"none", "ordered", "blue", NULL};
 static const char *const default_words[] = {"default", NULL};
 #define AT(field) offsetof(values, field)
 static const hdr_option table[] = {
-    {"flag", 'f', HDR_OPTION_FLAG, AT(flag), NULL, 0, 0, false, NULL, NULL, "switch it on", false},
+    {"flag", 'f', HDR_OPTION_FLAG, AT(flag), NULL, 0, 0, false, NULL, NULL, "switch it on", false, NULL},
     {"exponent", 'g', HDR_OPTION_NUMBER, AT(exponent), "NUMBER", 0, INFINITY, true, NULL, "2.2",
-     "the exponent g of C^(1/g)", false},
-    {"shift", 0, HDR_OPTION_NUMBER, AT(shift), "N", -1, 1, false, NULL, NULL, "how far", false},
-    {"key", 'k', HDR_OPTION_NUMBER, AT(key), "KEY", 0, INFINITY, true, key_words, "auto", "the key", false},
-    {"count", 'j', HDR_OPTION_INTEGER, AT(count), "N", 1, 1024, false, NULL, "4", "how many", false},
+     "the exponent g of C^(1/g)", false, NULL},
+    {"shift", 0, HDR_OPTION_NUMBER, AT(shift), "N", -1, 1, false, NULL, NULL, "how far", false, NULL},
+    {"key", 'k', HDR_OPTION_NUMBER, AT(key), "KEY", 0, INFINITY, true, key_words, "auto", "the key", false, NULL},
+    {"count", 'j', HDR_OPTION_INTEGER, AT(count), "N", 1, 1024, false, NULL, "4", "how many", false, NULL},
     {"size", 'm', HDR_OPTION_SIZE, AT(size), "BYTES", 1048576, INFINITY, false, default_words, "200M", "how much",
      false},
-    {"any", 0, HDR_OPTION_NUMBER, AT(any), "N", 0, 0, false, NULL, NULL, "anything finite", false},
-    {"percentile", 'p', HDR_OPTION_DECIMAL, AT(percent), "PERCENT", 0, 100, false, NULL, "0.1", "which rank", false},
-    {"dither", 0, HDR_OPTION_CHOICE, AT(choice), "KIND", 0, 0, false, dither_words, "none", "the pattern", false},
-    {"gain", 0, HDR_OPTION_NUMBER, AT(any), "N", 0, 8, true, NULL, NULL, "bounded", false},
-    {"store", 0, HDR_OPTION_SIZE, AT(store), "BYTES", 1024, 0x1p62, false, NULL, NULL, "no bound", false},
-    {"layer", 'l', HDR_OPTION_TEXT, AT(text), "NAME", 0, 0, false, NULL, NULL, "which layer", false},
-    {NULL, 0, HDR_OPTION_FLAG, 0, NULL, 0, 0, false, NULL, NULL, NULL, false}};
+    {"any", 0, HDR_OPTION_NUMBER, AT(any), "N", 0, 0, false, NULL, NULL, "anything finite", false, NULL},
+    {"percentile", 'p', HDR_OPTION_DECIMAL, AT(percent), "PERCENT", 0, 100, false, NULL, "0.1", "which rank", false,
+     NULL},
+    {"dither", 0, HDR_OPTION_CHOICE, AT(choice), "KIND", 0, 0, false, dither_words, "none", "the pattern", false, NULL},
+    {"gain", 0, HDR_OPTION_NUMBER, AT(any), "N", 0, 8, true, NULL, NULL, "bounded", false, NULL},
+    {"store", 0, HDR_OPTION_SIZE, AT(store), "BYTES", 1024, 0x1p62, false, NULL, NULL, "no bound", false, NULL},
+    {"layer", 'l', HDR_OPTION_TEXT, AT(text), "NAME", 0, 0, false, NULL, NULL, "which layer", false, NULL},
+    {NULL, 0, HDR_OPTION_FLAG, 0, NULL, 0, 0, false, NULL, NULL, NULL, false, NULL}};
 
 /* Sets one option in fresh parameters. */
 static hdr_status set(const char *name, const char *text, values *v, hdr_error *error) {
