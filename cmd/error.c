@@ -308,7 +308,8 @@ static void print_csv(const measuring *m) {
         printf(",%s", figures[i].name);
     printf(",left_out%s", wants_ssim(m) ? ",ssim" : "");
     if (m->flip) printf(",flip,flip_max,flip_kind,pixels_per_degree,start,stop,exposures");
-    printf("%s\n", m->peak > 0 ? ",psnr" : "");
+    double peak = peak_of(m, &m->tests[0].compared); /* of all, since they are of one form */
+    printf("%s\n", peak > 0 ? ",psnr" : "");
     for (int t = 0; t < m->count; t++) {
         cmd_print_csv_text(m->tests[t].name);
         for (size_t i = 0; i < FIGURES; i++)
@@ -316,7 +317,7 @@ static void print_csv(const measuring *m) {
         printf(",%llu", (unsigned long long)m->tests[t].compared.left_out);
         if (wants_ssim(m)) printf(",%.17g", m->tests[t].ssim);
         if (m->flip) print_csv_flip(&m->tests[t].flip);
-        if (m->peak > 0) printf(",%.17g", psnr_of(m->peak, m->tests[t].compared.all.mse));
+        if (peak > 0) printf(",%.17g", psnr_of(peak, m->tests[t].compared.all.mse));
         putchar('\n');
     }
 }

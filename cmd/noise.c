@@ -80,20 +80,6 @@ static void print_json(const hdr_noise *noise, double target) {
 
 /* ---- hdr noise ---- */
 
-/* A picture of one plane, in the format that the output's name asks for. */
-static hdr_status write_map(const hdr_chain *chain, const hdr_noise *noise, hdr_output *output, hdr_error *error) {
-    const hdr_window *data = &noise->picture.data;
-    const float *plane[3] = {noise->share, NULL, NULL};
-    hdr_listener listener = cmd_listener(chain);
-    hdr_chain *plain = hdr_chain_new(error);
-    hdr_input *input =
-        hdr_input_planes(data->max_x - data->min_x + 1, data->max_y - data->min_y + 1, 1, plane, NULL, error);
-    hdr_status status = plain && input ? hdr_chain_run(plain, input, output, &listener, error) : error->status;
-    hdr_input_free(input);
-    hdr_chain_free(plain);
-    return status;
-}
-
 /* A file that an option names; NULL: the option is not given, or the error is filled. */
 static hdr_output *open_named(const hdr_chain *chain, const char *option, hdr_error *error) {
     const char *name = hdr_chain_given(chain, 1, option);
@@ -110,7 +96,10 @@ hdr_status cmd_noise(hdr_chain *chain, hdr_error *error) {
     hdr_status status = opened.count > 0 ? hdr_measure_noise(chain, opened.count, opened.inputs,
                                                              cmd_number(chain, 1, "epsilon", 0), map, &noise, error)
                                          : error->status;
-    if (status == HDR_OK && map) status = write_map(chain, &noise, map, error);
+    const hdr_window *data = &noise.picture.data;
+    if (status == HDR_OK && map)
+        status = cmd_write_plane(chain, data->max_x - data->min_x + 1, data->max_y - data->min_y + 1, noise.share, map,
+                                 error);
     if (status == HDR_OK && plot) status = cmd_plot_noise(&noise, plot, error);
     if (status == HDR_OK && hdr_chain_settings(chain)->json)
         print_json(&noise, target);

@@ -105,7 +105,7 @@ static hdr_status add_attributes(writing *w, const char *state, bool converted, 
     if (left_out)
         hdr_say(run->listener, HDR_NOTE, "%s: %d attribute%s of its header %s damaged or too large, and left out",
                 run->name, left_out, left_out == 1 ? "" : "s", left_out == 1 ? "is" : "are");
-    if (!status && hdr_chain_joins(chain)) status = hdr_join_attributes(run->source, &w->attributes, err);
+    if (!status && run->joined) status = hdr_join_attributes(run->joined, &w->attributes, err);
     w->frame.attributes = &w->attributes;
     if (status || !recorded) return status;
     status = hdr_chain_print(chain, &w->record, err);

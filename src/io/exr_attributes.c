@@ -246,7 +246,8 @@ hdr_status hdr_exr_set_number(hdr_bytes *attributes, const char *name, double nu
     if (at >= attributes->size) return HDR_OK;
     unsigned char value[NUMBER_TEXT];
     const char *type = (const char *)attributes->data + at + strlen(name) + 1;
-    if (!strcmp(type, "int") && !(number <= INT32_MAX)) type = "double";
+    bool whole = number <= INT32_MAX && number == floor(number);
+    if (!strcmp(type, "int") && !whole) type = "double";
     size_t behind = at + record_size(attributes->data + at);
     uint32_t size = value_of(type, number, value);
     hdr_bytes changed = {0};

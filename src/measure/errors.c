@@ -186,6 +186,9 @@ static void close_all(comparing *c) {
 }
 
 hdr_status hdr_check_left_out(const hdr_chain *chain, uint64_t numbers, uint64_t left_out, hdr_error *err) {
+    if (numbers == 0 && left_out == 0)
+        return hdr_fail(err, HDR_BAD_DATA,
+                        "there is nothing to measure: there are no pixels, or --crop has none of them");
     if (numbers == 0)
         return hdr_fail(err, HDR_BAD_DATA, "there is nothing to measure: %llu components are NaN or infinite",
                         (unsigned long long)left_out);

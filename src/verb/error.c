@@ -150,7 +150,7 @@ const hdr_verb hdr_verb_error = {
              "Several tests are ranked by --rank. Behind the figure stands its standard error, from how it differs "
              "between squares of 64 pixels, where there are two or more. A test is marked by = if it cannot be told "
              "from the one above it: they differ by no more than 1.96 standard errors of the difference, square by "
-             "square, which equal ones would exceed in one of forty comparisons.\n\n"
+             "square, which equal ones would exceed in one of twenty comparisons.\n\n"
              "--threshold is for the regression tests of renderers: status 1 tells that a figure is above it, or that "
              "not all components are finite. Where none is, or with --strict where one is not, the file is refused.",
          .examples = examples,

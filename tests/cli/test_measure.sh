@@ -110,6 +110,11 @@ if command -v exrstdattr >/dev/null; then
     check 'weights from the header' cmp -s "$work/weighted.pfm" "$work/counted.pfm"
     "$hdr" info "$work/counted4.exr" >"$work/info"
     check 'the mean has as many samples as all' grep -q 'samplesPerPixel (int) 4$' "$work/info"
+    "$hdr" mean --show mean-deviation -o "$work/sigma.exr" "$work/half.exr" "$work/twice.exr"
+    "$hdr" mean --weights from:samplesPerPixel : smooth --sigma-picture "$work/sigma.exr" -o "$work/smooth.exr" \
+        "$work/counted1.exr" "$work/counted3.exr"
+    "$hdr" info "$work/smooth.exr" >"$work/info"
+    check 'and so has what is made of it by a second picture' grep -q 'samplesPerPixel (int) 4$' "$work/info"
     "$hdr" mean --weights 4,3 : pfm -o "$work/weighted.pfm" "$work/counted4.exr" "$work/twice.exr"
     "$hdr" mean --weights from:samplesPerPixel : pfm -o "$work/counted.pfm" "$work/counted4.exr" "$work/counted3.exr"
     check 'a mean that is averaged again' cmp -s "$work/weighted.pfm" "$work/counted.pfm"
@@ -187,7 +192,11 @@ check 'csv: as many fields in all' test "$(awk -F , '{ print NF }' "$work/stdout
 expect_status 0 'ssim' "$hdr" error --ssim --json --against "$work/srgb.exr" "$work/srgb.exr"
 check 'ssim of a picture and itself' nearly "$(figure ssim "$work/stdout")" 1
 expect_status 0 'ssim in a table' "$hdr" error --ssim --csv --against "$work/srgb.exr" "$work/dim.exr"
-check 'ssim in a table: one field more' test "$(awk -F , '{ print NF }' "$work/stdout" | sort -u)" = 10
+check 'ssim and psnr in a table: two fields more' test "$(awk -F , '{ print NF }' "$work/stdout" | sort -u)" = 11
+psnr=$("$hdr" error --json --against "$work/srgb.exr" "$work/dim.exr" | grep -o '"psnr": [^,]*' | sed 's/.*: //')
+check 'psnr of encoded pictures in a table, too' nearly "$(sed -n 2p "$work/stdout" | cut -d , -f 11)" "$psnr"
+expect_status 65 'a rectangle beside the picture' "$hdr" error --crop 5000,0,2,2 --against "$room" "$room"
+check 'nothing to measure: why' stderr_has 'there are no pixels'
 rmse=$("$hdr" error --json --against "$room" "$work/twice.exr" | grep -o '"rmse": [^,]*' | sed 's/.*: //')
 expect_status 0 'threshold: not above' "$hdr" error --threshold "rmse=$rmse" --against "$room" "$work/twice.exr"
 below=$(awk -v r="$rmse" 'BEGIN { printf "%.12g", r * 0.999 }')
