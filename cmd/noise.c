@@ -80,6 +80,26 @@ static void print_json(const hdr_noise *noise, double target) {
 
 /* ---- hdr noise ---- */
 
+static hdr_status write_shares(const hdr_chain *chain, const hdr_noise *noise, hdr_output *output, hdr_error *error) {
+    const hdr_window *data = &noise->picture.data;
+    return cmd_write_plane(chain, data->max_x - data->min_x + 1, data->max_y - data->min_y + 1, noise->share, output,
+                           error);
+}
+
+/* What the verb mean makes of the same files. */
+static hdr_status write_deviation(const hdr_chain *chain, const cmd_inputs *opened, hdr_output *output,
+                                  hdr_error *error) {
+    static const char *const words[] = {"mean", "--show", "deviation"};
+    hdr_listener listener = cmd_listener(chain);
+    hdr_chain *mean = hdr_chain_new_like(chain, error);
+    hdr_input *joined = hdr_input_join(opened->count, opened->inputs, error);
+    hdr_status status = mean && joined ? hdr_chain_add(mean, words, 3, error) : error->status;
+    if (status == HDR_OK) status = hdr_chain_run(mean, joined, output, &listener, error);
+    hdr_input_free(joined);
+    hdr_chain_free(mean);
+    return status;
+}
+
 /* A file that an option names; NULL: the option is not given, or the error is filled. */
 static hdr_output *open_named(const hdr_chain *chain, const char *option, hdr_error *error) {
     const char *name = hdr_chain_given(chain, 1, option);
@@ -90,16 +110,15 @@ hdr_status cmd_noise(hdr_chain *chain, hdr_error *error) {
     if (hdr_chain_clause(chain, 2)) return cmd_refuse(error, "noise reads files: write what a chain makes first");
     double target = cmd_number(chain, 1, "target", 0);
     hdr_output *map = open_named(chain, "sampling-map", error), *plot = open_named(chain, "plot", error);
+    hdr_output *deviation = open_named(chain, "deviation-map", error);
     cmd_inputs opened = {.count = 0};
     if (error->status == HDR_OK) opened = cmd_open_files(chain, error);
     hdr_noise noise = {.renders = 0};
     hdr_status status = opened.count > 0 ? hdr_measure_noise(chain, opened.count, opened.inputs,
                                                              cmd_number(chain, 1, "epsilon", 0), map, &noise, error)
                                          : error->status;
-    const hdr_window *data = &noise.picture.data;
-    if (status == HDR_OK && map)
-        status = cmd_write_plane(chain, data->max_x - data->min_x + 1, data->max_y - data->min_y + 1, noise.share, map,
-                                 error);
+    if (status == HDR_OK && map) status = write_shares(chain, &noise, map, error);
+    if (status == HDR_OK && deviation) status = write_deviation(chain, &opened, deviation, error);
     if (status == HDR_OK && plot) status = cmd_plot_noise(&noise, plot, error);
     if (status == HDR_OK && hdr_chain_settings(chain)->json)
         print_json(&noise, target);
@@ -108,6 +127,7 @@ hdr_status cmd_noise(hdr_chain *chain, hdr_error *error) {
     hdr_noise_free(&noise);
     cmd_close_files(&opened);
     hdr_output_free(map);
+    hdr_output_free(deviation);
     hdr_output_free(plot);
     return status;
 }

@@ -62,6 +62,7 @@ bench: all $(BUILD)/tests/bench/scales
 	BUILD=$(BUILD) sh tests/bench/reinhard.sh $(FILE)
 	BUILD=$(BUILD) sh tests/bench/durand.sh $(FILE)
 	BUILD=$(BUILD) sh tests/bench/ocio.sh $(FILE)
+	BUILD=$(BUILD) sh tests/bench/measure.sh $(FILE)
 	$(BUILD)/tests/bench/scales
 
 # Run time against error, drawn for verbs that compute something around a pixel and for curves: build/error-*.svg. What

@@ -2,7 +2,10 @@
 #include "chain/run.h"
 
 #include "io/input.h"
+#include "io/join.h"
 #include "io/smooth.h"
+
+#include <stdio.h>
 
 const hdr_clause *hdr_chain_guided(const hdr_chain *chain) {
     int first = hdr_chain_joins(chain);
@@ -34,6 +37,17 @@ hdr_source *hdr_run_guide(hdr_run *run, hdr_source *source, hdr_input *guide, hd
     hdr_say(run->listener, HDR_EXPLAIN, "clause %d (%s): %s", hdr_chain_joins(run->chain) + 1, clause->verb->about.name,
             guiding.note);
     return hdr_smooth_open(source, run->input, guide, &reading, &guiding.filter, err);
+}
+
+bool hdr_run_meaning(const hdr_run *run, char *text, size_t size) {
+    const hdr_clause *guided = hdr_chain_guided(run->chain);
+    const hdr_verb_about *behind = hdr_chain_clause(run->chain, 1 + (run->joined != NULL) + (guided != NULL));
+    hdr_guiding guiding = {0};
+    if (!(run->joined || guided) || (behind && behind->kind != HDR_FORMAT)) return false;
+    if (guided && guided->verb->guide(guided->params, &guiding, NULL)) return false;
+    snprintf(text, size, "%s%s%s%s", run->joined ? hdr_join_meaning(run->joined) : "",
+             run->joined && guided ? ", " : "", guided ? "smoothed: " : "", guiding.note);
+    return true;
 }
 
 hdr_status hdr_run_report_guided(const hdr_run *run, hdr_error *err) {

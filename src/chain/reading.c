@@ -76,8 +76,17 @@ static bool begins_with(const hdr_error *own, const hdr_input *input) {
     return !strncmp(own->message, name.message, length) && (own->message[length] == ':' || own->message[length] == ' ');
 }
 
+/* Whether a message tells already which file it is about: the input, or one of those that are joined. */
+static bool is_named(const hdr_error *own, const hdr_input *input) {
+    const hdr_joined *joined = hdr_input_get_joined(input);
+    bool named = begins_with(own, input);
+    for (int i = 0; joined && i < joined->count; i++)
+        named |= begins_with(own, joined->members[i]);
+    return named;
+}
+
 hdr_status hdr_fail_of_input(hdr_error *err, const hdr_error *own, const hdr_input *input, const hdr_input *guide) {
-    bool named = begins_with(own, input) || (guide && begins_with(own, guide));
+    bool named = is_named(own, input) || (guide && begins_with(own, guide));
     if (named || own->status == HDR_USAGE || own->status == HDR_CANT_CREATE || own->status == HDR_IO)
         return hdr_fail(err, own->status, "%s", own->message);
     return hdr_fail(err, own->status, "%s: %s", hdr_input_name(input), own->message);

@@ -133,6 +133,10 @@ hdr_status hdr_run_guess(hdr_run *run, bool grey_matters, hdr_error *err);
  */
 hdr_source *hdr_run_guide(hdr_run *run, hdr_source *source, hdr_input *guide, hdr_error *err);
 
+/* What the numbers are that joining files, and filtering by a second picture, have made. False: neither was done, or
+ * something else behind it. */
+bool hdr_run_meaning(const hdr_run *run, char *text, size_t size);
+
 /* What was filtered, said once, and what was wrong with the second picture: HDR_BAD_DATA with --strict. */
 hdr_status hdr_run_report_guided(const hdr_run *run, hdr_error *err);
 

@@ -94,18 +94,22 @@ static hdr_status add_attributes(writing *w, const char *state, bool converted, 
     const hdr_format *format = w->format->format;
     if (!format->attributes) return HDR_OK;
     bool recorded = format->records && format->records(w->params);
-    const hdr_verb_kind first = chain->count > 0 ? chain->clauses[0].verb->about.kind : HDR_FORMAT;
-    hdr_exr_fate fate = {.altered = first == HDR_FILTER || first == HDR_GUIDED,
+    hdr_exr_fate fate = {.joined = run->joined != NULL,
                          .converted = converted || run->mapped,
                          .encoded = strcmp(state, "linear") != 0,
                          .cropped = chain->common.crop != NULL,
                          .recorded = recorded};
+    for (int i = 0; i < chain->count; i++)
+        fate.altered |= chain->clauses[i].verb->about.kind == HDR_FILTER || chain->clauses[i].verb->guide;
     int left_out = 0;
+    char meaning[400];
     hdr_status status = hdr_source_attributes(run->input, &run->source->picture, fate, &w->attributes, &left_out, err);
     if (left_out)
         hdr_say(run->listener, HDR_NOTE, "%s: %d attribute%s of its header %s damaged or too large, and left out",
                 run->name, left_out, left_out == 1 ? "" : "s", left_out == 1 ? "is" : "are");
     if (!status && run->joined) status = hdr_join_attributes(run->joined, &w->attributes, err);
+    if (!status && hdr_run_meaning(run, meaning, sizeof meaning))
+        status = hdr_exr_add_text(&w->attributes, HDR_EXR_MEANING, meaning, err);
     w->frame.attributes = &w->attributes;
     if (status || !recorded) return status;
     status = hdr_chain_print(chain, &w->record, err);

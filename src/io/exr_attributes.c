@@ -111,6 +111,7 @@ static bool goes_along(const char *name, hdr_exr_fate fate) {
     if (fate.converted && !strcmp(name, "adoptedNeutral")) return false;
     if ((fate.converted || fate.encoded) && !strcmp(name, "colorInteropID")) return false;
     if (!fate.recorded && !strcmp(name, HDR_EXR_RECORD)) return false;
+    if ((fate.altered || fate.joined) && !strcmp(name, HDR_EXR_MEANING)) return false;
     return !(fate.altered && !strcmp(name, "whiteLuminance"));
 }
 
@@ -258,6 +259,11 @@ hdr_status hdr_exr_set_number(hdr_bytes *attributes, const char *name, double nu
     free(attributes->data);
     *attributes = changed;
     return status;
+}
+
+hdr_status hdr_exr_add_text(hdr_bytes *attributes, const char *name, const char *text, hdr_error *err) {
+    hdr_status status = hdr_exr_label(attributes, name, "string", (uint32_t)strlen(text), err);
+    return status == HDR_OK ? hdr_bytes_add(attributes, text, strlen(text), err) : status;
 }
 
 /* ---- Into the file ---- */

@@ -9,9 +9,13 @@
 /* The attribute in which --record keeps the chain: a line for each time it was written. */
 #define HDR_EXR_RECORD "hdrpipeChain"
 
+/* The attribute that tells what the numbers of a picture of several are, or of one that was smoothed. */
+#define HDR_EXR_MEANING "hdrpipeMeaning"
+
 /* What has become of the picture, so that some attributes say of it what is no longer so. */
 typedef struct hdr_exr_fate {
     bool altered;   /* its values are not the file's */
+    bool joined;    /* they are made of several files', and altered no further unless that is said */
     bool converted; /* nor are its primaries */
     bool encoded;   /* its values follow a curve now */
     bool cropped;   /* its frame is not the file's */
@@ -31,6 +35,9 @@ hdr_status hdr_exr_number(hdr_input *input, int part, const char *name, bool *fo
 /* Makes an attribute among those that hdr_exr_attributes has appended, of such a type, another number, above 0. What is
  * too large for an int becomes a double. Nothing: if it is not among them. */
 hdr_status hdr_exr_set_number(hdr_bytes *attributes, const char *name, double number, hdr_error *err);
+
+/* Appends an attribute of type string, which is not among them. */
+hdr_status hdr_exr_add_text(hdr_bytes *attributes, const char *name, const char *text, hdr_error *err);
 
 /* Puts them into the header that context is about to write, which has its own already; they count. record: what is
  * appended to HDR_EXR_RECORD, or NULL. */

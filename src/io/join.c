@@ -214,6 +214,10 @@ hdr_status hdr_join_attributes(const hdr_source *base, hdr_bytes *attributes, hd
     return joining->weights_from ? hdr_exr_set_number(attributes, joining->weights_from, sum, err) : HDR_OK;
 }
 
+const char *hdr_join_meaning(const hdr_source *source) {
+    return ((const join_source *)source)->joining.meaning;
+}
+
 hdr_source *hdr_join_open(hdr_input *input, const hdr_reading *reading, const hdr_joining *joining, hdr_error *err) {
     join_source *source = hdr_alloc(1, sizeof *source);
     if (!source) {

@@ -13,6 +13,9 @@ hdr_source *hdr_join_open(hdr_input *input, const hdr_reading *reading, const hd
 /* Among the attributes of the first picture's file, that which weights were taken from becomes their sum. */
 hdr_status hdr_join_attributes(const hdr_source *source, hdr_bytes *attributes, hdr_error *err);
 
+/* What its numbers are. */
+const char *hdr_join_meaning(const hdr_source *source);
+
 /* Components that were neither finite nor counted, of all blocks read so far, each once. */
 uint64_t hdr_join_left_out(const hdr_source *source);
 

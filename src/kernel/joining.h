@@ -15,6 +15,7 @@ typedef struct hdr_joining {
     int slots;
     bool alpha;               /* that is joined, too; else the result has none */
     double *weights;          /* of each picture, or NULL: all count alike; who made this record frees them */
+    char meaning[120];        /* what the result's numbers are: "mean of 8 renders" */
     const char *weights_from; /* the header's attribute that has them: who opens the pictures fills weights; or NULL */
     void (*add)(const struct hdr_joining *joining, int picture, const double *values, double *state, size_t count);
     void (*end)(const struct hdr_joining *joining, const double *state, double *out, size_t count);

@@ -51,11 +51,14 @@ static const hdr_option options[] = {{.name = "kind",
                                       .help = "short for: then falsecolour --of largest --map MAP"},
                                      {0}};
 
+static bool divides(const diff_params *p) {
+    return p->kind == KIND_RELATIVE || p->kind == KIND_SMAPE;
+}
+
 static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
     const diff_params *p = params;
-    bool divides = p->kind == KIND_RELATIVE || p->kind == KIND_SMAPE;
     for (int i = 0; i < given->count; i++)
-        if (!strcmp(given->given[i].option->name, "epsilon") && !divides)
+        if (!strcmp(given->given[i].option->name, "epsilon") && !divides(p))
             return hdr_fail(err, HDR_USAGE, "--epsilon has no meaning with --kind %s", diff_kinds[p->kind]);
     return HDR_OK;
 }
@@ -93,9 +96,19 @@ static void end(const hdr_joining *joining, const double *state, double *out, si
     }
 }
 
+/* The formula, and the numbers in it: it is told in the result. */
+static void describe(const diff_params *p, char *text, size_t size) {
+    static const char *const formulas[] = {"x - r", "|x - r|", "|x - r| / (|r| + E)", "(x - r)^2",
+                                           "|x - r| / (|x| + |r| + E)"};
+    char epsilon[40] = "", factor[40] = "";
+    if (divides(p)) snprintf(epsilon, sizeof epsilon, ", E = %.9g", p->epsilon.value);
+    if (p->exaggerate.value != 1) snprintf(factor, sizeof factor, ", times %.9g", p->exaggerate.value);
+    snprintf(text, size, "%s%s%s", formulas[p->kind], epsilon, factor);
+}
+
 static hdr_status join(const void *params, hdr_joining *joining, hdr_error *err) {
-    (void)params;
     if (joining->pictures != 2) return hdr_fail(err, HDR_USAGE, "it takes two files: a test and its reference");
+    describe(params, joining->meaning, sizeof joining->meaning);
     joining->slots = 2;
     joining->add = add;
     joining->end = end;
@@ -116,7 +129,8 @@ const hdr_verb hdr_verb_diff = {
              "alpha; alpha itself is left out. Where either is NaN or infinite there is no difference: it is 0, and "
              "counted on standard error.\n\n"
              "--kind signed: x - r. absolute: |x - r|. relative: |x - r| / (|r| + E). squared: (x - r)^2. smape: |x - "
-             "r| / (|x| + |r| + E). E is --epsilon.\n\n"
+             "r| / (|x| + |r| + E). E is --epsilon. "
+             "EXR that is written holds the formula, with E and --exaggerate, in its attribute hdrpipeMeaning.\n\n"
              "--false-colour shows the error of the worst component of each pixel by colours, with a legend below; see "
              "hdr-falsecolour(1), which takes more options behind a then. Signed errors are best seen in coolwarm, all "
              "others in one that grows lighter, such as viridis.",

@@ -206,6 +206,17 @@ static hdr_status take_weights(const char *text, hdr_joining *joining, hdr_error
     return hdr_fail(err, HDR_USAGE, "--weights has %d numbers, and there are %d files", count, joining->pictures);
 }
 
+/* What the result is: it is told in it. */
+static void describe(const mean_params *p, int renders, int groups, char *text, size_t size) {
+    static const char *const of[] = {"mean of", "variance of one of", "standard deviation of one of",
+                                     "variance of the mean of", "standard deviation of the mean of"};
+    char robust[60] = "";
+    const char *weighted = strcmp(p->weights, "equal") != 0 ? "weighted " : "";
+    if (p->robust != ROBUST_NONE)
+        snprintf(robust, sizeof robust, ": the median of the means of %d groups, biased", groups);
+    snprintf(text, size, "%s%s %d render%s%s", weighted, of[p->show], renders, renders == 1 ? "" : "s", robust);
+}
+
 static hdr_status join(const void *params, hdr_joining *joining, hdr_error *err) {
     const mean_params *p = params;
     bool plain = p->show == SHOW_MEAN;
@@ -216,6 +227,7 @@ static hdr_status join(const void *params, hdr_joining *joining, hdr_error *err)
     joining->slots = !plain ? MOMENT_SLOTS : p->robust == ROBUST_NONE ? MEAN_SLOTS : groups * MEAN_SLOTS;
     joining->add = plain ? add_to_group : add_moments;
     joining->end = plain ? end_groups : end_moments;
+    describe(p, joining->pictures, groups, joining->meaning, sizeof joining->meaning);
     joining->weights_from = attribute_of(p);
     bool listed = !joining->weights_from && strcmp(p->weights, "equal") != 0;
     return listed ? take_weights(p->weights, joining, err) : HDR_OK;
@@ -247,6 +259,7 @@ const hdr_verb hdr_verb_mean = {
              "int, a float, a double or a text. Several renderers write their number of samples there (pbrt under this "
              "name, Blender as cycles.ViewLayer.samples); 'hdr info' lists what a file has. Each must have it. In the "
              "header of the mean it becomes the sum, so that means can be averaged again.\n\n"
+             "EXR that is written tells in its attribute hdrpipeMeaning what its numbers are: mean of 8 renders.\n\n"
              "--show variance is that of one render, M2 / (n - 1), and deviation its root, the standard "
              "deviation; mean-variance and mean-deviation are those of the mean of all n: variance / n, and its "
              "root. They need two renders (a component that only one has becomes 0), have no alpha, and hold no matter "

@@ -5,7 +5,7 @@
 
 typedef struct noise_params {
     hdr_number epsilon, target;
-    const char *sampling_map, *plot;
+    const char *sampling_map, *deviation_map, *plot;
 } noise_params;
 
 static const char *const none[] = {"none", NULL};
@@ -35,6 +35,11 @@ static const hdr_option options[] = {
      .offset = offsetof(noise_params, sampling_map),
      .metavar = "OUT",
      .help = "write each pixel's share of further samples there, as a picture whose mean is 1"},
+    {.name = "deviation-map",
+     .type = HDR_OPTION_TEXT,
+     .offset = offsetof(noise_params, deviation_map),
+     .metavar = "OUT",
+     .help = "write the standard deviation of one render there, each component by itself"},
     {.name = "plot",
      .type = HDR_OPTION_TEXT,
      .offset = offsetof(noise_params, plot),
@@ -42,12 +47,17 @@ static const hdr_option options[] = {
      .help = "draw the noise of the means of 1, 2, 4, ... renders there"},
     {0}};
 
+static hdr_status check_file(const char *option, const char *name, hdr_error *err) {
+    bool none_named = name && (!*name || !strcmp(name, "-"));
+    return none_named ? hdr_refuse_text(options, option, name, "names no file", err) : HDR_OK;
+}
+
 static hdr_status check(const void *params, const hdr_options *given, hdr_error *err) {
     const noise_params *p = params;
     (void)given;
-    if (p->sampling_map && (!*p->sampling_map || !strcmp(p->sampling_map, "-")))
-        return hdr_refuse_text(options, "sampling-map", p->sampling_map, "names no file", err);
-    return hdr_check_svg(options, "plot", p->plot, err);
+    hdr_status status = check_file("sampling-map", p->sampling_map, err);
+    if (status == HDR_OK) status = check_file("deviation-map", p->deviation_map, err);
+    return status ? status : hdr_check_svg(options, "plot", p->plot, err);
 }
 
 static const char *const examples[] = {"hdr noise IN.exr IN.exr IN.exr",
@@ -77,7 +87,9 @@ const hdr_verb hdr_verb_noise = {
              "independent renders lie along the line.\n\n"
              "--target tells from rmv how many renders of that kind have a mean with that RMSE. --sampling-map "
              "writes a picture of one channel: how much more often than the average a pixel should be sampled, in "
-             "proportion to its standard deviation, which gives the mean its least variance (Neyman 1934).\n\n"
+             "proportion to its standard deviation, which gives the mean its least variance (Neyman 1934). "
+             "--deviation-map writes the picture of that standard deviation "
+             "itself, component by component: that of one render, as 'hdr mean --show deviation' makes it.\n\n"
              "Components that are NaN or infinite in one render are left out of all, and counted; with --strict that "
              "is an error. The map begins at 0,0, wherever the data window does, and gives no samples to a pixel whose "
              "components are all left out.\n\n"

@@ -96,7 +96,7 @@ while read -r verb kind; do
         bench--reference | bench--plot) continue ;; # test_bench.sh is about them
         error--against | error--threshold) continue ;; # test_measure.sh
         error--flip-map) continue ;; # test_flip.sh
-        noise--sampling-map | noise--plot) continue ;; # test_noise.sh
+        noise--sampling-map | noise--deviation-map | noise--plot) continue ;; # test_noise.sh
         crosscheck--only | smooth--sigma-picture) continue ;; # result() gives it
         # test_ocio.sh is about them
         ocio--config | ocio--from | ocio--to | ocio--display | ocio--ocio-view | ocio--look | ocio--list) continue ;;

@@ -237,4 +237,42 @@ expect_status 66 'no such reference' "$hdr" error --against "$work/missing" "$ro
 expect_status 1 'no such test among others' "$hdr" error --against "$room" "$room" "$work/missing"
 expect_status 65 'another size' "$hdr" error --against "$room" "$other"
 
+# ---- What the numbers are ----------------------------------------------------------------------------------------
+
+# meaning TEXT WORD...: what the header of the result tells
+meaning() {
+    wanted=$1
+    shift
+    "$hdr" "$@" : exr -o "$work/meaning.exr" "$room" "$work/twice.exr"
+    "$hdr" info "$work/meaning.exr" | sed -n 's/.* hdrpipeMeaning (string) //p' >"$work/told"
+    printf '%s' "$wanted${wanted:+
+}" >"$work/wanted"
+    check "$*: means $wanted" cmp -s "$work/wanted" "$work/told"
+}
+meaning 'mean of 2 renders' mean
+meaning 'weighted mean of 2 renders' mean --weights 1,2
+meaning 'mean of 2 renders: the median of the means of 2 groups, biased' mean --robust median-of-means
+meaning 'variance of one of 2 renders' mean --show variance
+meaning 'standard deviation of the mean of 2 renders' mean --show mean-deviation
+meaning 'x - r' diff
+meaning '|x - r|, times 3' diff --kind absolute --exaggerate 3
+meaning '|x - r| / (|r| + E), E = 0.01' diff --kind relative
+meaning '|x - r| / (|x| + |r| + E), E = 0.5' diff --kind smape --epsilon 0.5
+meaning '(x - r)^2' diff --kind squared
+meaning '' mean : clamp
+"$hdr" mean --show mean-deviation -o "$work/sigma.exr" "$room" "$work/twice.exr"
+meaning 'mean of 2 renders, smoothed: non-local means, k 0.45, window 3 x 3, patches 1 x 1; biased' \
+    mean : smooth --radius 1 --patch 0 --sigma-picture "$work/sigma.exr"
+"$hdr" exr --type half -o "$work/half_sigma.exr" "$work/sigma.exr"
+"$hdr" info "$work/half_sigma.exr" >"$work/stdout"
+check 'it goes along into a copy' grep -q 'hdrpipeMeaning (string) standard deviation of the mean of 2 renders' "$work/stdout"
+"$hdr" expose --ev 1 -o "$work/altered.exr" "$work/sigma.exr"
+"$hdr" info "$work/altered.exr" >"$work/stdout"
+check 'and not into what is another picture' test "$(grep -c hdrpipeMeaning "$work/stdout")" -eq 0
+"$hdr" mean -o "$work/again.exr" "$work/sigma.exr" "$work/sigma.exr"
+"$hdr" info "$work/again.exr" >"$work/stdout"
+check 'a mean of such has its own' test "$(grep -c hdrpipeMeaning "$work/stdout")" -eq 1
+expect_status 65 'weights from nothing' "$hdr" mean --weights from:nothing : smooth --sigma-picture "$work/sigma.exr" -o "$work/x.exr" "$room" "$work/twice.exr"
+check 'a file of several is named once' grep -qx "hdr: $room: its header has no attribute 'nothing'" "$work/stderr"
+
 finish test_measure

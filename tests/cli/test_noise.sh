@@ -128,6 +128,16 @@ deviation=$(number max_luminance)
 check 'a sampling map has one channel' test "$(number Y)" != ''
 check 'a sampling map is largest where they differ most' awk -v m="$(number max_luminance)" -v d="$deviation" \
     'BEGIN { exit !(m > 2 && d > 0) }'
+# shellcheck disable=SC2046 # words
+expect_status 0 'a deviation map' "$hdr" noise --deviation-map "$work/deviation.exr" --sampling-map "$work/map2.exr" $(renders 1 20)
+# shellcheck disable=SC2046 # words
+"$hdr" mean --show deviation -o "$work/wanted.exr" $(renders 1 20)
+check 'a deviation map is that of mean' cmp -s "$work/wanted.exr" "$work/deviation.exr"
+check 'beside a sampling map' cmp -s "$work/map.exr" "$work/map2.exr"
+"$hdr" info "$work/deviation.exr" >"$work/stdout"
+check 'it tells what it is' grep -q 'hdrpipeMeaning (string) standard deviation of one of 20 renders$' "$work/stdout"
+expect_status 64 'a deviation map on standard output' "$hdr" noise --deviation-map - "$work/1.exr" "$work/2.exr"
+expect_status 73 'a deviation map that cannot be' "$hdr" noise --deviation-map "$work/none/x.exr" "$work/1.exr" "$work/2.exr"
 expect_status 64 'one render' "$hdr" noise "$work/1.exr"
 expect_status 64 'a map of one render' "$hdr" noise --sampling-map "$work/x.exr" "$work/1.exr"
 check 'a map of one render: nothing is written' absent "$work/x.exr"

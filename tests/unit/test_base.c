@@ -132,7 +132,7 @@ static const hdr_option table[] = {
     {"key", 'k', HDR_OPTION_NUMBER, AT(key), "KEY", 0, INFINITY, true, key_words, "auto", "the key", false, NULL},
     {"count", 'j', HDR_OPTION_INTEGER, AT(count), "N", 1, 1024, false, NULL, "4", "how many", false, NULL},
     {"size", 'm', HDR_OPTION_SIZE, AT(size), "BYTES", 1048576, INFINITY, false, default_words, "200M", "how much",
-     false},
+     false, NULL},
     {"any", 0, HDR_OPTION_NUMBER, AT(any), "N", 0, 0, false, NULL, NULL, "anything finite", false, NULL},
     {"percentile", 'p', HDR_OPTION_DECIMAL, AT(percent), "PERCENT", 0, 100, false, NULL, "0.1", "which rank", false,
      NULL},

@@ -239,7 +239,8 @@ static bool open_run(opened *o, const file_bytes *file, int count, const char *c
     *o = (opened){.error = {.status = HDR_OK}};
     o->chain = hdr_chain_new(&o->error);
     o->input = hdr_input_memory(file->data, file->size, "made", &o->error);
-    if (!hdr_chain_parse(o->chain, count, words, &o->error)) hdr_run_open(&o->run, o->chain, o->input, NULL, &o->error);
+    if (!hdr_chain_parse(o->chain, count, words, &o->error))
+        hdr_run_open(&o->run, o->chain, o->input, NULL, NULL, &o->error);
     CHECK(o->error.status == HDR_OK, "%s", o->error.message);
     return o->error.status == HDR_OK;
 }
