@@ -84,11 +84,8 @@ static hdr_status compare_row(void *context, int row, int thread, hdr_error *err
     return HDR_OK;
 }
 
+/* Both have one form. */
 static hdr_status compare(comparing *c, int threads, double *ssim, hdr_error *err) {
-    if (c->x->width != c->y->width || c->x->height != c->y->height)
-        return hdr_fail(err, HDR_BAD_DATA, "the pictures differ in size");
-    if (c->x->width < SIDE || c->x->height < SIDE)
-        return hdr_fail(err, HDR_BAD_DATA, "structural similarity needs %d x %d pixels", SIDE, SIDE);
     double sum = 0;
     for (int k = 0; k < SIDE; k++)
         sum += c->weight[k] = hdr_exp(-0.5 * (k - HALF) * (k - HALF) / (1.5 * 1.5));
@@ -119,7 +116,11 @@ hdr_structure *hdr_structure_new(const hdr_chain *chain, hdr_input *reference, h
         return NULL;
     }
     *structure = (hdr_structure){.chain = chain, .reference = reference};
-    if (make_luma(chain, reference, &structure->luma, err) == HDR_OK) return structure;
+    hdr_status status = make_luma(chain, reference, &structure->luma, err);
+    if (status == HDR_OK && (structure->luma.width < SIDE || structure->luma.height < SIDE))
+        status = hdr_fail(err, HDR_BAD_DATA, "%s: structural similarity needs %d x %d pixels, and there are %d x %d",
+                          hdr_input_name(reference), SIDE, SIDE, structure->luma.width, structure->luma.height);
+    if (status == HDR_OK) return structure;
     hdr_structure_free(structure);
     return NULL;
 }

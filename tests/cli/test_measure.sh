@@ -197,6 +197,9 @@ psnr=$("$hdr" error --json --against "$work/srgb.exr" "$work/dim.exr" | grep -o 
 check 'psnr of encoded pictures in a table, too' nearly "$(sed -n 2p "$work/stdout" | cut -d , -f 11)" "$psnr"
 expect_status 65 'a rectangle beside the picture' "$hdr" error --crop 5000,0,2,2 --against "$room" "$room"
 check 'nothing to measure: why' stderr_has 'there are no pixels'
+expect_status 65 'ssim of few pixels' "$hdr" error --ssim --crop 0,0,11,10 --against "$work/srgb.exr" "$work/dim.exr"
+check 'ssim of few pixels: which file' one_line_with 'srgb.exr: structural similarity needs 11 x 11 pixels, and there are 11 x 10'
+expect_status 0 'ssim of just enough' "$hdr" error --ssim --crop 0,0,11,11 --against "$work/srgb.exr" "$work/dim.exr"
 rmse=$("$hdr" error --json --against "$room" "$work/twice.exr" | grep -o '"rmse": [^,]*' | sed 's/.*: //')
 expect_status 0 'threshold: not above' "$hdr" error --threshold "rmse=$rmse" --against "$room" "$work/twice.exr"
 below=$(awk -v r="$rmse" 'BEGIN { printf "%.12g", r * 0.999 }')
