@@ -61,6 +61,12 @@ hdr_status hdr_chain_spell_out(hdr_chain *chain, hdr_error *err);
 /* The common options that do not travel, as chain has them: they stay with the program they were given to. */
 hdr_status hdr_chain_add_local(hdr_chain *whole, const hdr_chain *chain, hdr_error *err);
 
+/* ---- vary.c ---- */
+
+/* Like hdr_chain_new_like, for pixels of the file itself: its data window, whatever is written else, and colour as it
+ * is stored, without alpha, unless it is laid over another one. */
+hdr_chain *hdr_chain_new_viewing(const hdr_chain *other, hdr_error *err);
+
 /* ---- guided.c ---- */
 
 /* The clause that filters by a second picture, which stands in front or behind a join; NULL: there is none. */

@@ -14,22 +14,43 @@ char *hdr_chain_text(const hdr_chain *chain, hdr_error *err) {
     return NULL;
 }
 
+/* Options that say what is written around and behind the pixels, which those that are looked at have otherwise. */
+static bool is_of_output(const hdr_chain *chain, const hdr_option *option) {
+    bool alpha = !strcmp(option->name, "alpha") && chain->common.alpha.how != HDR_ALPHA_OVER;
+    return alpha || !strcmp(option->name, "window");
+}
+
 /* The options that travel, one by one, into a chain that has none yet. */
-static hdr_status add_reading(hdr_chain *chain, const hdr_options *given, hdr_error *err) {
+static hdr_status add_reading(hdr_chain *chain, const hdr_chain *other, bool viewing, hdr_error *err) {
+    const hdr_options *given = &other->common_given;
     hdr_status status = HDR_OK;
     for (int i = 0; i < given->count && !status; i++) {
+        const hdr_option *option = given->given[i].option;
         char name[80];
         const char *const words[] = {name, given->given[i].text};
-        snprintf(name, sizeof name, "--%s", given->given[i].option->name);
-        if (given->given[i].option->travels) status = hdr_chain_add_reading(chain, words, words[1] ? 2 : 1, err);
+        snprintf(name, sizeof name, "--%s", option->name);
+        if (option->travels && !(viewing && is_of_output(other, option)))
+            status = hdr_chain_add_reading(chain, words, words[1] ? 2 : 1, err);
     }
     return status;
 }
 
-hdr_chain *hdr_chain_new_like(const hdr_chain *other, hdr_error *err) {
+static hdr_chain *new_like(const hdr_chain *other, bool viewing, hdr_error *err) {
     hdr_chain *chain = hdr_chain_new(err);
-    if (chain && !add_reading(chain, &other->common_given, err) && !hdr_chain_add_local(chain, other, err))
-        return chain;
+    if (chain && !add_reading(chain, other, viewing, err) && !hdr_chain_add_local(chain, other, err)) return chain;
+    hdr_chain_free(chain);
+    return NULL;
+}
+
+hdr_chain *hdr_chain_new_like(const hdr_chain *other, hdr_error *err) {
+    return new_like(other, false, err);
+}
+
+hdr_chain *hdr_chain_new_viewing(const hdr_chain *other, hdr_error *err) {
+    static const char *const words[] = {"--window", "data", "--alpha", "drop"};
+    hdr_chain *chain = new_like(other, true, err);
+    int count = other->common.alpha.how == HDR_ALPHA_OVER ? 2 : 4;
+    if (chain && !hdr_chain_add_reading(chain, words, count, err)) return chain;
     hdr_chain_free(chain);
     return NULL;
 }

@@ -15,10 +15,9 @@ static hdr_status add_encoding(hdr_chain *chain, hdr_input *input, const hdr_cha
 }
 
 hdr_output *hdr_view_pixels(const hdr_chain *like, hdr_input *input, hdr_view view, hdr_error *err) {
-    hdr_chain *chain = hdr_chain_new_like(like, err);
+    hdr_chain *chain = hdr_chain_new_viewing(like, err);
     hdr_output *output = chain ? hdr_output_planes(err) : NULL;
     hdr_status status = output ? HDR_OK : HDR_INTERNAL;
-    if (status == HDR_OK) chain->common.window = HDR_WINDOW_DATA;
     if (status == HDR_OK && view == HDR_VIEW_ENCODED) status = add_encoding(chain, input, like, err);
     if (status == HDR_OK) status = hdr_chain_run(chain, input, output, NULL, err);
     hdr_chain_free(chain);

@@ -4,9 +4,9 @@
 
 #include "base/base.h"
 
-/* The pixels of an input's data window, repaired, colour associated with alpha: as they are, light of Rec.709's
- * primaries; or as codes, held to [0,1], what is linear encoded by sRGB. They are had from hdr_output_pixels. like:
- * whose common options count. NULL: err is filled. */
+/* The pixels of an input's data window, repaired, colour associated with alpha, which is over black: as they are, light
+ * of Rec.709's primaries; or of that codes, held to [0,1], what is linear encoded by sRGB. They are had from
+ * hdr_output_pixels, without alpha. like: whose common options count. NULL: err is filled. */
 typedef enum hdr_view { HDR_VIEW_STORED, HDR_VIEW_ENCODED } hdr_view;
 hdr_output *hdr_view_pixels(const hdr_chain *like, hdr_input *input, hdr_view view, hdr_error *err);
 
