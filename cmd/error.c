@@ -446,8 +446,10 @@ hdr_status cmd_error(hdr_chain *chain, hdr_error *error) {
     if (m.tests && map) m.map = hdr_output_open(map, error);
     if (error->status == HDR_OK) m.reference = hdr_input_open(m.against, error);
     status = m.reference ? measure_files(&m, files, error) : error->status;
-    rank_tests(&m);
-    if (m.count > 0) print_all(&m);
+    if (m.count > 0) {
+        rank_tests(&m);
+        print_all(&m);
+    }
     hdr_status judged = judge(&m);
     for (int i = 0; i < m.count; i++)
         free_test(&m.tests[i]);
