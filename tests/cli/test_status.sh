@@ -46,7 +46,7 @@ for verb in $("$hdr" help --list | cut -f 1); do
             bad_option "$verb" "$option" "$hdr" "$verb" "--$option"
             case $verb-$option in
             *-output) ;;
-            *-part | *-layer | *-channel | *-facts | *-against | *-sampling-map | *-flip-map | *-sigma-picture | ocio-*) bad_option "$verb" "$option" "$hdr" "$verb" "--$option=" ;; # any other name may be one
+            *-part | *-layer | *-channel | *-facts | *-against | *-sampling-map | *-deviation-map | *-flip-map | *-sigma-picture | ocio-*) bad_option "$verb" "$option" "$hdr" "$verb" "--$option=" ;; # any other name may be one
             *) bad_option "$verb" "$option" "$hdr" "$verb" "--$option=@@" ;;
             esac
         else
