@@ -12,6 +12,7 @@ enum { HEADER_MAX = 512 };
 struct pfm_source {
     hdr_raster raster;
     uint64_t data; /* where the pixels begin */
+    size_t planes; /* in the file: the picture may be made to have more */
     size_t row_bytes;
     bool big_endian;
 };
@@ -56,11 +57,10 @@ static uint32_t word_at(const unsigned char *bytes, bool big_endian) {
 }
 
 static void unpack_row(const struct pfm_source *source, const unsigned char *from, float *const plane[4], size_t to) {
-    size_t planes = (size_t)source->raster.base.picture.planes;
-    for (size_t p = 0; p < planes; p++) {
+    for (size_t p = 0; p < source->planes; p++) {
         float *out = plane[p] + to;
         const unsigned char *in = from + p * sizeof(float);
-        for (size_t x = 0; x < (size_t)source->raster.width; x++, in += planes * sizeof(float)) {
+        for (size_t x = 0; x < (size_t)source->raster.width; x++, in += source->planes * sizeof(float)) {
             uint32_t word = word_at(in, source->big_endian);
             memcpy(out + x, &word, sizeof word);
         }
@@ -136,7 +136,8 @@ static hdr_status open_source(struct pfm_source *source, hdr_input *input, uint6
         return hdr_header_fault(input, "PFM begins with PF or Pf, width, height, and a scale that is not 0", err);
     hdr_status status =
         hdr_raster_open(&source->raster, input, width, height, "pfm", text[1] == 'F' ? colour : grey, memory, err);
-    source->row_bytes = (size_t)width * (size_t)source->raster.base.picture.planes * sizeof(float);
+    source->planes = (size_t)source->raster.base.picture.planes;
+    source->row_bytes = (size_t)width * source->planes * sizeof(float);
     source->raster.base.read = read_block;
     source->raster.base.close = close_source;
     return status ? status : pass_line_feed(source, text, err);

@@ -164,4 +164,15 @@ else
     skip 'there is no pfstools, or no oiiotool'
 fi
 
+# a grey file of which colours are made
+"$hdr" pfm -o "$work/grey.pfm" "$grey"
+"$hdr" exr -o "$work/grey.exr" "$work/grey.pfm"
+for verb in falsecolour ocio 'png --alpha over:1,0,0'; do
+    # shellcheck disable=SC2086 # words
+    expect_status 0 "grey PFM in colours, $verb" "$hdr" $verb -q -o "$work/coloured.png" "$work/grey.pfm"
+    # shellcheck disable=SC2086 # words
+    "$hdr" $verb -q -o "$work/wanted.png" "$work/grey.exr"
+    check "grey PFM in colours, $verb: as from EXR" cmp -s "$work/coloured.png" "$work/wanted.png"
+done
+
 finish test_formats
