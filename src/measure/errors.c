@@ -13,7 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TILE = 64 /* HDR_STRIP is a multiple */, TEST = 0, REFERENCE = 1 };
+enum { TILE = HDR_TILE_SIDE, TEST = 0, REFERENCE = 1 };
+_Static_assert(HDR_STRIP % TILE == 0, "a strip is whole tiles");
 
 /* The largest error that a band has. */
 typedef struct worst {

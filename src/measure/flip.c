@@ -10,12 +10,15 @@
 #include "chain/chain.h"
 #include "kernel/flip.h"
 #include "kernel/real.h"
+#include "measure/measure.h"
 #include "measure/select.h"
 #include "measure/view.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+_Static_assert((int)HDR_FLIP_SIDE == (int)HDR_TILE_SIDE, "the squares are those of the other figures");
 
 struct hdr_flip_reference {
     const hdr_chain *chain;

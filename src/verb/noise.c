@@ -57,6 +57,8 @@ static hdr_status check(const void *params, const hdr_options *given, hdr_error 
     (void)given;
     hdr_status status = check_file("sampling-map", p->sampling_map, err);
     if (status == HDR_OK) status = check_file("deviation-map", p->deviation_map, err);
+    if (status == HDR_OK && p->sampling_map && p->deviation_map && !strcmp(p->sampling_map, p->deviation_map))
+        status = hdr_refuse_text(options, "deviation-map", p->deviation_map, "is the sampling map, too", err);
     return status ? status : hdr_check_svg(options, "plot", p->plot, err);
 }
 
