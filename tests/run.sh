@@ -1,13 +1,15 @@
 #!/bin/sh
-# run.sh TEST...: runs each test, shows its last line (all of its output if it fails), and closes with the sum of all counts.
+# run.sh TEST...: runs the tests, as many at a time as there are processors; shows the last line of each that ends (all of its
+# output if it fails), and closes with the sum of all counts.
+# run.sh --one TEST: runs one and appends its counts to the file $COUNTS.
 set -u
-passed=0 failed=0 skipped=0
-log=$(mktemp) || exit 1
-trap 'rm -f "$log"' EXIT
-for test in "$@"; do
-    case $test in
-    *.sh) sh "$test" >"$log" 2>&1 ;;
-    *) "$test" >"$log" 2>&1 ;;
+
+# one TEST
+one() {
+    log=$(mktemp) || exit 1
+    case $1 in
+    *.sh) sh "$1" >"$log" 2>&1 ;;
+    *) "$1" >"$log" 2>&1 ;;
     esac
     status=$?
     line=$(tail -n 1 "$log")
@@ -17,12 +19,27 @@ for test in "$@"; do
     # a test that ends without its line, or badly in spite of it, has failed
     if [ -z "$p" ] || [ -z "$f" ] || { [ "$status" -ne 0 ] && [ "$f" -eq 0 ]; } ||
         [ "$((${p:-0} + ${f:-0} + ${s:-0}))" -eq 0 ]; then
-        line="$test: ended with status $status"
+        line="$1: ended with status $status"
         f=$((${f:-0} + 1))
     fi
-    if [ "$f" -gt 0 ]; then tail -n 60 "$log"; fi
+    # in one piece, whatever else ends at the same time
+    if [ "$f" -gt 0 ]; then line="$(tail -n 60 "$log")
+$line"; fi
     printf '%s\n' "$line"
-    passed=$((passed + ${p:-0})) failed=$((failed + f)) skipped=$((skipped + ${s:-0}))
-done
-printf '%d passed, %d failed, %d skipped\n' "$passed" "$failed" "$skipped"
-[ "$failed" -eq 0 ]
+    printf '%d %d %d\n' "${p:-0}" "$f" "${s:-0}" >>"$COUNTS"
+    rm -f "$log"
+}
+
+if [ "${1:-}" = --one ]; then
+    one "$2"
+    exit
+fi
+COUNTS=$(mktemp) || exit 1
+export COUNTS
+trap 'rm -f "$COUNTS"' EXIT
+printf '%s\n' "$@" | xargs -P "$(nproc)" -n 1 sh "$0" --one
+awk -v wanted="$#" '
+    { passed += $1; failed += $2; skipped += $3 }
+    END { failed += wanted - NR # one that left no counts has failed
+          printf "%.0f passed, %.0f failed, %.0f skipped\n", passed, failed, skipped
+          exit failed > 0 }' "$COUNTS"
