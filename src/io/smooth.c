@@ -11,8 +11,8 @@
 #include <string.h>
 
 /* Rows of a block: many, since those around them are decoded once more for each, but not all of a file that is one
- * chunk. */
-enum { LEAST_ROWS = 64, MOST_ROWS = 256 };
+ * chunk; and whole tiles of the filter, however a file is cut, so that its result does not depend on that. */
+enum { MOST_ROWS = 4 * HDR_NLMEANS_ROWS };
 
 typedef struct smooth_source {
     hdr_source base;
@@ -226,11 +226,9 @@ static hdr_status describe(smooth_source *source, hdr_error *err) {
         base->picture.channels[c].type = HDR_FLOAT;
         source->channels += c < 3 && picture->picture.present[c];
     }
-    int chunk = picture->block_rows;
-    base->block_rows = chunk < LEAST_ROWS ? (LEAST_ROWS + chunk - 1) / chunk * chunk : chunk;
-    base->rows_cut = picture->rows_cut;
+    int chunk = picture->block_rows < MOST_ROWS ? picture->block_rows : MOST_ROWS;
+    base->block_rows = (chunk + HDR_NLMEANS_ROWS - 1) / HDR_NLMEANS_ROWS * HDR_NLMEANS_ROWS;
     base->end = picture->end;
-    if (chunk > MOST_ROWS) base->block_rows = MOST_ROWS, base->rows_cut = 0;
     int64_t height = hdr_window_height(&base->picture.data);
     if (height > 0 && hdr_window_width(&base->picture.data) > 0)
         base->blocks = hdr_source_block_of(base, (int)(height - 1)) + 1;

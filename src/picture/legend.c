@@ -9,7 +9,8 @@
 
 /* In units, from above: a gap, the bar, its ticks, the letters, and a gap as the first. */
 enum { GAP = 4, BAR = 12, TICK = 3, GLYPH_HEIGHT = 7, HEIGHT = GAP + BAR + TICK + 1 + GLYPH_HEIGHT + GAP };
-enum { GLYPH_WIDTH = 5, ADVANCE = GLYPH_WIDTH + 1, MARGIN = 8, LARGEST_UNIT = 8, MOST_LABELS = 24 };
+enum { GLYPH_WIDTH = 5, ADVANCE = GLYPH_WIDTH + 1, MARGIN = 8, LARGEST_UNIT = 8 };
+enum { MOST_LABELS = 24, MOST_FURTHER_DIGITS = 9 };
 enum { BEHIND = 0x000000, INK = 0xe0e0e0 };
 
 /* The letters of numbers, seven rows of five bits from above. */
@@ -100,12 +101,20 @@ static double round_up(double step) {
     return step <= power ? power : step <= 2 * power ? 2 * power : step <= 5 * power ? 5 * power : 10 * power;
 }
 
+/* How many more digits tell apart numbers that lie close to each other and far from 0. */
+static int further_digits(const hdr_legend *legend) {
+    double low = fabs(legend->from), high = fabs(legend->to), width = legend->to - legend->from;
+    int digits = (int)floor(hdr_log10((low > high ? low : high) / width));
+    return digits < 0 ? 0 : digits > MOST_FURTHER_DIGITS ? MOST_FURTHER_DIGITS : digits;
+}
+
 /* Both ends, then round numbers between them, as many as there is room for. Of ratios, powers of ten. */
 static void choose_labels(labels *l, const bar *bar, const hdr_legend *legend, int picture_width) {
     int room = bar->width / (10 * ADVANCE * bar->unit); /* numbers of ten letters */
     int most = room < 2 ? 2 : room < MOST_LABELS ? room : MOST_LABELS;
-    add_label(l, bar, legend, legend->from, 4, picture_width);
-    add_label(l, bar, legend, legend->to, 4, picture_width);
+    int further = further_digits(legend);
+    add_label(l, bar, legend, legend->from, 4 + further, picture_width);
+    add_label(l, bar, legend, legend->to, 4 + further, picture_width);
     if (legend->logarithmic) {
         int first = (int)ceil(hdr_log10(legend->from)), last = (int)floor(hdr_log10(legend->to));
         for (int power = first; power <= last; power += (last - first) / most + 1)
@@ -113,7 +122,7 @@ static void choose_labels(labels *l, const bar *bar, const hdr_legend *legend, i
     } else {
         double step = round_up((legend->to - legend->from) / most), first = ceil(legend->from / step);
         for (int i = 0; i <= most && (first + i) * step <= legend->to; i++)
-            add_label(l, bar, legend, (first + i) * step, 6, picture_width);
+            add_label(l, bar, legend, (first + i) * step, 6 + further, picture_width);
     }
 }
 

@@ -18,7 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TILE_WIDTH = 128, TILE_HEIGHT = 64, LANES = 16, MOST_LINES = 2 * HDR_NLMEANS_MOST_PATCH + 1 };
+enum { TILE_WIDTH = 128, TILE_HEIGHT = HDR_NLMEANS_ROWS, LANES = 16, MOST_LINES = 2 * HDR_NLMEANS_MOST_PATCH + 1 };
 #define LARGEST_EXPONENT 60
 #define INFINITE 0x1p60f /* as a distance: its mean over any patch is far beyond what has a weight */
 

@@ -25,6 +25,7 @@ typedef struct hdr_nlmeans {
 #define HDR_NLMEANS_LEAST_K 0.1
 #define HDR_NLMEANS_MOST_RADIUS 50
 #define HDR_NLMEANS_MOST_PATCH 10
+#define HDR_NLMEANS_ROWS 64
 
 /* Rows of a picture and of its noise, channel by channel, without gaps. The deviations are finite and not negative. */
 typedef struct hdr_nlmeans_rows {

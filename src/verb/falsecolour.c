@@ -74,6 +74,9 @@ static const hdr_option options[] = {
      .help = "draw no legend below a picture of codes"},
     {0}};
 
+/* Of --scale log, so that no ratio of a value and an end overflows. No float is as small. */
+#define LEAST_OF_LOG 1e-100
+
 static bool is_given(const hdr_number *number) {
     return number->word < 0;
 }
@@ -82,12 +85,12 @@ static hdr_status check(const void *params, const hdr_options *given, hdr_error 
     const falsecolour_params *p = params;
     (void)given;
     bool from = is_given(&p->from), to = is_given(&p->to);
-    if (p->scale == SCALE_LOG && ((from && p->from.value <= 0) || (to && p->to.value <= 0)))
-        return hdr_fail(err, HDR_USAGE, "--scale log is for values above 0: --from and --to must be");
+    if (p->scale == SCALE_LOG && ((from && p->from.value < LEAST_OF_LOG) || (to && p->to.value < LEAST_OF_LOG)))
+        return hdr_fail(err, HDR_USAGE, "--scale log is for values above 0: --from and --to must be 1e-100 or more");
     if (p->scale == SCALE_LOG && p->map == HDR_PALETTE_COOLWARM && !(from && to))
         return hdr_fail(err, HDR_USAGE, "--map coolwarm parts at 0, which --scale log has not: give --from and --to");
     if (from && to && !(p->from.value < p->to.value))
-        return hdr_fail(err, HDR_USAGE, "--from %g is not below --to %g", p->from.value, p->to.value);
+        return hdr_fail(err, HDR_USAGE, "--from %.17g is not below --to %.17g", p->from.value, p->to.value);
     if (from && to && hdr_decimal_value(p->percentile) != 100)
         return hdr_fail(err, HDR_USAGE, "--percentile has no meaning with both --from and --to");
     return HDR_OK;
@@ -130,6 +133,9 @@ static void choose_range(const falsecolour_params *p, const hdr_facts *facts, do
     find_extremes(p, facts, &low, &high);
     if (p->map == HDR_PALETTE_COOLWARM) {
         high = fabs(low) > fabs(high) ? fabs(low) : fabs(high);
+        if (is_given(&p->from) && p->from.value < 0) high = -p->from.value;
+        if (is_given(&p->to) && p->to.value > 0) high = p->to.value;
+        if (!(high > 0)) high = 1; /* nothing but 0 is neither cool nor warm */
         low = -high;
     } else if (!logarithmic && low > 0) {
         low = 0;
@@ -198,7 +204,8 @@ const hdr_verb hdr_verb_falsecolour = {
              "or the last colour. Colours are sRGB's, and the picture counts as encoded from then on.\n\n"
              "--from and --to are, if auto, the smallest value and the largest, or their --percentile by nearest rank; "
              "linear, a smallest value above 0 becomes 0, and with coolwarm the range reaches as far to either side of "
-             "0. With --scale log they are of values above 0, and all others have the first colour. A picture "
+             "0, as far as the one that is given, if one is. With --scale log they are of values above 0, and all "
+             "others have the first colour. A picture "
              "of one value has a range all the same, which the legend tells.\n\n"
              "viridis, magma, inferno and plasma grow lighter in even steps, and are told apart without colour vision, "
              "too. coolwarm is for differences with a sign: blue below 0, red above, white between.\n\n"

@@ -54,6 +54,7 @@ expect_status 64 'from above to' "$hdr" falsecolour --from 2 --to 1 -o "$work/x2
 expect_status 64 'from is to' "$hdr" falsecolour --from 1 --to 1 -o "$work/x2.png" "$room"
 expect_status 64 'a logarithm of 0' "$hdr" falsecolour --scale log --from 0 -o "$work/x2.png" "$room"
 expect_status 64 'a logarithm of less' "$hdr" falsecolour --scale log --to -1 -o "$work/x2.png" "$room"
+expect_status 64 'a logarithm of nearly 0' "$hdr" falsecolour --scale log --to 1e-320 -o "$work/x2.png" "$room"
 expect_status 64 'a logarithm that parts at 0' "$hdr" falsecolour --scale log --map coolwarm -o "$work/x2.png" "$room"
 expect_status 64 'a percentile of nothing' "$hdr" falsecolour --percentile 99 --from 0 --to 1 -o "$work/x2.png" "$room"
 expect_status 65 'codes twice' "$hdr" falsecolour : srgb -o "$work/x2.png" "$room"

@@ -88,6 +88,18 @@ done
 "$hdr" smooth --crop 5,7,30,20 --sigma-picture "$sigma" then pfm -o "$work/x.pfm" "$picture"
 "$hdr" smooth --sigma-picture "$work/crop_noisy_sigma.exr" then pfm -o "$work/y.pfm" "$work/crop_noisy.exr"
 check '--crop holds for both' cmp -s "$work/x.pfm" "$work/y.pfm"
+# Rows are worked on by the filter's tiles, not by the file's chunks, which tells where numbers are so
+# large (one pixel of 2^127) that the noise beside them underflows
+"$hdr" pfm -q -o "$work/large.pfm" "$picture"
+printf '\000\000\000\177' | dd of="$work/large.pfm" bs=1 conv=notrunc \
+    seek=$(($(wc -c <"$work/large.pfm") - 25 * 96 * 12 - 48 * 12)) 2>/dev/null
+"$hdr" exr -o "$work/large.exr" "$work/large.pfm"
+for file in "$work/large.exr" "$sigma"; do
+    "$hdr" exr --crop 0,5,96,67 --window data -o "$work/crop_$(basename "$file")" "$file"
+done
+"$hdr" smooth --crop 0,5,96,67 --sigma-picture "$sigma" then pfm -o "$work/x.pfm" "$work/large.exr"
+"$hdr" smooth --sigma-picture "$work/crop_noisy_sigma.exr" then pfm -o "$work/y.pfm" "$work/crop_large.exr"
+check 'the same bytes however the file is cut' cmp -s "$work/x.pfm" "$work/y.pfm"
 # alpha has no deviation, and stays
 "$hdr" mean --show deviation -o "$work/x.exr" testdata/tiny/alpha.exr testdata/tiny/alpha.exr
 expect_status 0 'a picture with alpha' "$hdr" smooth --sigma-picture "$work/x.exr" -o "$work/y.exr" testdata/tiny/alpha.exr

@@ -69,7 +69,10 @@ static void find_range(const pictures *p, const rule *r, long double *from, long
         *from = numbers[i];
     /* percentiles of luminance are of numbers rounded to float */
     if (!r->largest && r->percent < 100) *from = (long double)(float)*from, *to = (long double)(float)*to;
-    if (r->symmetric) *to = fmaxl(fabsl(*from), fabsl(*to)), *from = -*to;
+    if (r->symmetric) *to = fmaxl(fabsl(*from), fabsl(*to));
+    if (r->symmetric && !isnan(r->from)) *to = -(long double)r->from;
+    if (r->symmetric && !isnan(r->to)) *to = (long double)r->to;
+    if (r->symmetric) *from = -*to;
     if (!r->logarithmic && !r->symmetric && *from > 0) *from = 0;
     if (!isnan(r->from)) *from = (long double)r->from;
     if (!isnan(r->to)) *to = (long double)r->to;
@@ -161,6 +164,8 @@ static void test_rule(void) {
         {"--map magma --of largest", .largest = true, .from = NAN, .to = NAN, .percent = 100},
         {"--map coolwarm --of largest", .largest = true, .symmetric = true, .from = NAN, .to = NAN, .percent = 100},
         {"--map coolwarm --percentile 95", .symmetric = true, .from = NAN, .to = NAN, .percent = 95},
+        {"--map coolwarm --to 0.4", .symmetric = true, .from = NAN, .to = 0.4, .percent = 100},
+        {"--map coolwarm --from -2", .symmetric = true, .from = -2, .to = NAN, .percent = 100},
         {"--percentile 99.5 --no-legend", .from = NAN, .to = NAN, .percent = 99.5},
         {"--percentile 90 --of largest", .largest = true, .from = NAN, .to = NAN, .percent = 90},
         {"--scale log --map inferno", .logarithmic = true, .from = NAN, .to = NAN, .percent = 100},
@@ -193,7 +198,7 @@ static void test_constant(void) {
     } cases[] = {{"", 0, 0},
                  {"", 4, 255},
                  {"", -4, 0},
-                 {"--map coolwarm", 0, 0},
+                 {"--map coolwarm", 0, COLOURS / 2},
                  {"--map coolwarm", 3, 255},
                  {"--scale log", 0, 0},
                  {"--scale log", 7, 0},

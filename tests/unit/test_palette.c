@@ -152,6 +152,20 @@ static void test_numbers(double from, double to, double step, int least, int wid
     hdr_drawing_free(&d);
 }
 
+/* Ends that differ by little have numbers that differ: there is not as much ink below both. */
+static void test_close_ends(double from, double to, bool logarithmic) {
+    enum { WIDTH = 300 };
+    hdr_drawing d = draw(HDR_PALETTE_VIRIDIS, from, to, logarithmic, WIDTH, 100);
+    int ink[2] = {0};
+    for (int y = 20; y < 27; y++)
+        for (int x = 0; x < 80; x++) {
+            ink[0] += pixel(&d, x, y) == INK;
+            ink[1] += pixel(&d, WIDTH - 1 - x, y) == INK;
+        }
+    CHECK(ink[0] > 0 && ink[0] != ink[1], "%.17g to %.17g: the numbers of both ends look the same", from, to);
+    hdr_drawing_free(&d);
+}
+
 /* Of any size, however small, and any range. */
 static void test_sizes(void) {
     static const double ranges[][2] = {{0, 1}, {-1, 1}, {1e-30, 1e30}, {1e10, 1e10 + 1e-5}, {-1e38, 1e38}, {5, 6}};
@@ -187,6 +201,9 @@ int main(void) {
     test_numbers(4.2e-4, 157, 0, 5, 644, 874);
     test_numbers(0, 1, 0.5, 2, 100, 100);
     test_numbers(-1e30, 1e30, 1e29, 3, 2000, 2000);
+    test_close_ends(1000, 1000.03, false);
+    test_close_ends(1000, 1000.03, true);
+    test_close_ends(-1e30, -0.99999e30, false);
     test_sizes();
     return check_done("test_palette");
 }
