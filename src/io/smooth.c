@@ -198,10 +198,6 @@ hdr_smoothed hdr_smooth_counts(const hdr_source *base) {
                           atomic_load(&source->unusable)};
 }
 
-hdr_source *hdr_smooth_inner(const hdr_source *source) {
-    return ((const smooth_source *)source)->picture;
-}
-
 /* ---- Opening ---- */
 
 static void close_source(hdr_source *base) {

@@ -12,9 +12,6 @@
 hdr_source *hdr_smooth_open(hdr_source *picture, hdr_input *input, hdr_input *guide, const hdr_reading *reading,
                             const hdr_nlmeans *filter, hdr_error *err);
 
-/* The picture that is smoothed. */
-hdr_source *hdr_smooth_inner(const hdr_source *source);
-
 /* Of all blocks read so far, each once. */
 typedef struct hdr_smoothed {
     uint64_t pixels, left_alone;

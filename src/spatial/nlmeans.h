@@ -17,7 +17,7 @@
 typedef struct hdr_nlmeans {
     double k;          /* at least HDR_NLMEANS_LEAST_K */
     double above;      /* of a pixel's brightness: a pixel is filtered if a channel's standard deviation is larger */
-    int radius, patch; /* at most HDR_NLMEANS_MOST */
+    int radius, patch; /* at most HDR_NLMEANS_MOST_RADIUS and HDR_NLMEANS_MOST_PATCH */
     bool reference;    /* by the sums themselves, in double */
     bool no_skip;      /* compute what is not wanted, too */
 } hdr_nlmeans;

@@ -2,6 +2,7 @@
 #include "check.h"
 #include "picture/palette.h"
 
+#include <locale.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -188,8 +189,24 @@ static void test_sizes(void) {
                 }
 }
 
+/* Where the host program's locale has a decimal comma, a number has its point all the same. */
+static void test_locale(void) {
+    static const char *const names[] = {"de_DE.UTF-8", "de_DE", "fr_FR.UTF-8", "nl_NL.UTF-8"};
+    hdr_drawing with_point = draw(HDR_PALETTE_MAGMA, 0, 1, false, 640, 480);
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        if (!setlocale(LC_ALL, names[i])) continue;
+        hdr_drawing d = draw(HDR_PALETTE_MAGMA, 0, 1, false, 640, 480);
+        CHECK(!memcmp(d.pixels, with_point.pixels, (size_t)d.width * (size_t)d.height * sizeof *d.pixels),
+              "%s: another legend", names[i]);
+        hdr_drawing_free(&d);
+        setlocale(LC_ALL, "C");
+    }
+    hdr_drawing_free(&with_point);
+}
+
 int main(void) {
     test_published();
+    test_locale();
     test_lightness();
     test_bar(1280, 720);
     test_bar(4096, 4096);
