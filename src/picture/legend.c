@@ -76,7 +76,7 @@ static void add_label(labels *l, const bar *bar, const hdr_legend *legend, doubl
     struct label label = {.tick = place_on(bar, legend, value)};
     if (l->count == MOST_LABELS) return;
     snprintf(label.text, sizeof label.text, "%.*g", digits, value == 0 ? 0 : value); /* no -0 */
-    char *comma = strchr(label.text, ','); /* of a host program's locale */
+    char *comma = strchr(label.text, ',');                                           /* of a host program's locale */
     if (comma) *comma = '.';
     int width = (int)strlen(label.text) * ADVANCE * bar->unit;
     label.left = label.tick - width / 2;
