@@ -51,7 +51,7 @@ $(BUILD)/tests/%/plugin: $(PLUGINS)
 	$(Q)ln -sfn ../../plugin $@
 
 check: check-deps
-	$(MAKE) check-built
+	$(MAKE) --no-print-directory check-built
 
 .PHONY: check-built
 check-built: all $(TEST_PROGRAMS) $(CXX_TEST_PROGRAMS) $(COMPARE_EXR) $(BUILD)/tests/unit/plugin $(BUILD)/tests/laws/plugin $(BUILD)/tests/oracle/plugin $(BUILD)/testdata/render $(BUILD)/testdata/tiny
