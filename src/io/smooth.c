@@ -20,6 +20,7 @@ typedef struct smooth_source {
     const char *guide_name;
     hdr_nlmeans filter;
     int channels;       /* of colour: those that the picture has */
+    int place[3];       /* of each colour channel among them */
     atomic_uchar *seen; /* of each block: whether it was read before */
     _Atomic uint64_t pixels, left_alone, unusable;
 } smooth_source;
@@ -34,14 +35,6 @@ typedef struct smooth_worker {
 
 static size_t width_of(const smooth_source *source) {
     return (size_t)hdr_window_width(&source->base.picture.data);
-}
-
-/* A colour channel's place among those that there are. */
-static int place_of(const smooth_source *source, int channel) {
-    int place = 0;
-    for (int c = 0; c < channel; c++)
-        place += source->picture->picture.present[c];
-    return place;
 }
 
 static void worker_free(hdr_source *source, void *worker) {
@@ -95,20 +88,18 @@ typedef struct taking {
     uint64_t negative;
 } taking;
 
-static void take_colour(void *context, int channel, int row, size_t x, const double *values, size_t count) {
-    const taking *t = context;
+static void take_colour(taking *t, int channel, int row, size_t x, const double *values, size_t count) {
     size_t width = width_of(t->source);
     float *to = NULL;
     if (channel == 3 && row >= t->wanted_first && row < t->wanted_end)
         to = t->worker->alpha + (size_t)(row - t->wanted_first) * width;
-    if (channel < 3) to = t->worker->colour[place_of(t->source, channel)] + (size_t)(row - t->first) * width;
+    if (channel < 3) to = t->worker->colour[t->source->place[channel]] + (size_t)(row - t->first) * width;
     for (size_t i = 0; to && i < count; i++)
         to[x + i] = (float)values[i]; /* they were float, or half: nothing is lost */
 }
 
-static void take_deviation(void *context, int channel, int row, size_t x, const double *values, size_t count) {
-    taking *t = context;
-    float *to = t->worker->deviation[place_of(t->source, channel)] + (size_t)(row - t->first) * width_of(t->source);
+static void take_deviation(taking *t, int channel, int row, size_t x, const double *values, size_t count) {
+    float *to = t->worker->deviation[t->source->place[channel]] + (size_t)(row - t->first) * width_of(t->source);
     bool counts = row >= t->wanted_first && row < t->wanted_end;
     for (size_t i = 0; i < count; i++) {
         bool finite = values[i] - values[i] == 0;
@@ -119,7 +110,7 @@ static void take_deviation(void *context, int channel, int row, size_t x, const 
 }
 
 /* What is done with a strip of numbers of a channel. */
-typedef void (*taker)(void *context, int channel, int row, size_t x, const double *values, size_t count);
+typedef void (*taker)(taking *t, int channel, int row, size_t x, const double *values, size_t count);
 
 /* Gives away all rows up to `end` of the first channels of a picture. The reader lives no longer than that: large
  * chunks are held for one block alone. */
@@ -156,7 +147,7 @@ static hdr_status read_numbers(taking *t, int end, hdr_error *err) {
 static void lay_out(const smooth_source *source, const smooth_worker *w, hdr_block *out) {
     for (int c = 0; c < 4; c++) {
         if (!source->picture->picture.present[c]) continue;
-        out->plane[c] = (const unsigned char *)(c < 3 ? w->out[place_of(source, c)] : w->alpha);
+        out->plane[c] = (const unsigned char *)(c < 3 ? w->out[source->place[c]] : w->alpha);
         out->type[c] = HDR_FLOAT;
         out->stride[c] = width_of(source) * sizeof(float);
     }
@@ -220,7 +211,9 @@ static hdr_status describe(smooth_source *source, hdr_error *err) {
                             "mean tells nothing",
                             picture->picture.channels[c].name);
         base->picture.channels[c].type = HDR_FLOAT;
-        source->channels += c < 3 && picture->picture.present[c];
+        if (c == 3) continue;
+        source->place[c] = source->channels;
+        source->channels += picture->picture.present[c];
     }
     int chunk = picture->block_rows < MOST_ROWS ? picture->block_rows : MOST_ROWS;
     base->block_rows = (chunk + HDR_NLMEANS_ROWS - 1) / HDR_NLMEANS_ROWS * HDR_NLMEANS_ROWS;

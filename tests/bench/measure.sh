@@ -24,7 +24,7 @@ while [ "$i" -lt "${2:-5}" ]; do
     time_of noise "$hdr noise $work/a.exr $work/b.exr $work/a.exr $work/b.exr"
     time_of flip-part "$hdr error --flip hdr --against $work/a-part.exr $work/b-part.exr"
     time_of smooth-part "$hdr smooth --sigma-picture $work/deviation.exr -o $work/s.exr $work/a-part.exr"
-    if has idiff; then time_of idiff "idiff $work/b.exr $work/a.exr || true"; fi
+    if has idiff; then time_of idiff "idiff -fail 1e30 -warn 1e30 $work/b.exr $work/a.exr"; fi
     if has gmic; then time_of gmic-part "gmic $work/a-part.exr denoise 10,10,7,21,0,0 -o $work/g.exr"; fi
     i=$((i + 1))
 done

@@ -144,3 +144,10 @@ well_formed() {
         [ "$(grep -o '<[a-z]' "$1" | wc -l)" -eq "$(grep -oE '</[a-z]|/>' "$1" | wc -l)" ] &&
         ! sed 's/&#[0-9]*;//g' "$1" | grep -q '&' && [ "$(tail -n 1 "$1")" = '</svg>' ]
 }
+
+# make_nan_pictures: of the small room room.pfm as it is, part.pfm whose top is NaN, and nan.pfm that is nothing else
+make_nan_pictures() {
+    { printf 'PF\n160 120\n-1.0\n' && yes "$(printf '\377\377\377\377')" | tr -d '\n' | head -c 230400; } >"$work/nan.pfm"
+    "$hdr" pfm -q -o "$work/room.pfm" testdata/interior_float.exr
+    { head -c -400 "$work/room.pfm" && tail -c 400 "$work/nan.pfm"; } >"$work/part.pfm"
+}

@@ -104,10 +104,8 @@ for words in '--flip hd' '--flip' '--pixels-per-degree 60' '--flip auto --pixels
     expect_status 64 "$words" "$hdr" error $words --against "$room" "$room"
 done
 expect_status 65 'another size' "$hdr" error --flip auto --against "$room" testdata/glossy.exr
-{ printf 'PF\n160 120\n-1.0\n' && yes "$(printf '\377\377\377\377')" | tr -d '\n' | head -c 230400; } >"$work/nan.pfm"
-"$hdr" pfm -q -o "$work/room.pfm" "$room"
+make_nan_pictures
 expect_status 65 'nothing but NaN' "$hdr" error --threshold flip=1 --against "$work/room.pfm" "$work/nan.pfm"
-{ head -c -400 "$work/room.pfm" && tail -c 400 "$work/nan.pfm"; } >"$work/part.pfm"
 expect_status 1 'a part of it NaN' "$hdr" error --threshold flip=1 --against "$work/room.pfm" "$work/part.pfm"
 check 'a part of it NaN: that is said' one_line_with 'NaN or infinite'
 expect_status 0 'alpha' "$hdr" error --flip auto --against testdata/object.exr testdata/object.exr

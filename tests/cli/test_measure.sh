@@ -217,10 +217,8 @@ for words in "mean -o $work/x.exr - -" 'noise - -' 'error --against - -' 'error 
     check "$words: it is said" one_line_with 'standard input is one picture'
 done
 # a render that is no picture must not pass: all of it NaN, or a part
-{ printf 'PF\n160 120\n-1.0\n' && yes "$(printf '\377\377\377\377')" | tr -d '\n' | head -c 230400; } >"$work/nan.pfm"
-"$hdr" pfm -q -o "$work/room.pfm" "$room"
+make_nan_pictures
 expect_status 65 'nothing but NaN' "$hdr" error --threshold rmse=1e9 --against "$work/room.pfm" "$work/nan.pfm"
-{ head -c -400 "$work/room.pfm" && tail -c 400 "$work/nan.pfm"; } >"$work/part.pfm"
 expect_status 1 'a part of it NaN' "$hdr" error --threshold rmse=1e9 --against "$work/room.pfm" "$work/part.pfm"
 check 'a part of it NaN: that is said' one_line_with 'NaN or infinite'
 expect_status 65 '--strict error' "$hdr" error --strict --against "$work/room.pfm" "$work/part.pfm"
